@@ -122,12 +122,42 @@ template <class T> Rigid<T> rotate_by_vector(const T& x, const T& y, const T& z)
 // Its inverse, for angles below 180 deg; smooth through zero. (Logarithm of a rotation matrix.)
 template <class T> Vector3<T> rotation_vector(const Matrix3<T>& rotation);
 
-// Small helpers on vectors.
+// Three angles in the usual orders: Rz(a) Rx(b) Rz(c), and Rz(yaw) Ry(pitch) Rx(roll).
+template <class T> Rigid<T> rotate_zxz(const T& a, const T& b, const T& c) {
+  return rotate_z(a) * rotate_x(b) * rotate_z(c);
+}
+template <class T> Rigid<T> rotate_rpy(const T& roll, const T& pitch, const T& yaw) {
+  return rotate_z(yaw) * rotate_y(pitch) * rotate_x(roll);
+}
+
+// Small helpers on vectors and rotation matrices.
 template <class T> T dot(const Vector3<T>& a, const Vector3<T>& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 template <class T> Vector3<T> cross(const Vector3<T>& a, const Vector3<T>& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
-template <class T> T norm(const Vector3<T>& a) { using std::sqrt; return sqrt(dot(a, a)); }
+template <class T> Vector3<T> operator-(const Vector3<T>& a, const Vector3<T>& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+template <class T> Vector3<T> column(const Matrix3<T>& R, int j) { return {R[0][j], R[1][j], R[2][j]}; }
+
+// sqrt(q) whose derivative at 0 is 0 instead of infinite: for lengths that may vanish.
+template <class T> T safe_sqrt(const T& q) {
+  using std::sqrt;
+  const T positive = less(T(0), q);
+  return select(positive, sqrt(select(positive, q, T(1))), T(0));
+}
+template <class T> T norm(const Vector3<T>& a) { return safe_sqrt(dot(a, a)); }
+
+// A vector given in A, seen from B: R_A_B^T v_A; and the rotation R_B_C = R_A_B^T R_A_C.
+template <class T> Vector3<T> seen_from(const Matrix3<T>& R_A_B, const Vector3<T>& v_A) {
+  return {dot(column(R_A_B, 0), v_A), dot(column(R_A_B, 1), v_A), dot(column(R_A_B, 2), v_A)};
+}
+template <class T> Matrix3<T> seen_from(const Matrix3<T>& R_A_B, const Matrix3<T>& R_A_C) {
+  Matrix3<T> R_B_C;
+  for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < 3; ++i) R_B_C[i][j] = dot(column(R_A_B, i), column(R_A_C, j));
+  return R_B_C;
+}
 
 }  // namespace talus
 

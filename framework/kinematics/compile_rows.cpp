@@ -1,0 +1,246 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "framework/kinematics/compiler.h"
+
+namespace talus {
+namespace {
+
+bool is_identity(const Motion<Expr>& m) {
+  return m.kind != Motion<Expr>::Kind::matrix && m.amount.is_constant() && m.amount.constant() == 0;
+}
+
+// Leaves out motions by zero.
+Rigid<Expr> trimmed(const Rigid<Expr>& t) {
+  Rigid<Expr> result;
+  for (const Motion<Expr>& m : t.motions())
+    if (!is_identity(m)) result = result * Rigid<Expr>(m);
+  return result;
+}
+
+bool accepts(const Declaration& residual, Kind kind) {
+  return std::find(residual.kinds.begin(), residual.kinds.end(), kind) != residual.kinds.end();
+}
+
+double positive_number(const Attribute& word, const char* what) {
+  const Quantity q = parse_quantity(word.text, number, UnitSystem{}, word.place);
+  if (q.value < 0) throw InputError(word.place, fmt::format("{} '{}'", what, word.text), "zero or more");
+  return q.value;
+}
+
+}  // namespace
+
+void Compiler::feature(const Element& element) {
+  const Plugin& plugin = *registry_.find(element.tag);
+  const Declaration& d = plugin.declaration;
+  Feature f{element.name(), element.tag, d.kinds[0]};
+  f.place = element.place;
+  auto place_of = [&](const char* attribute) {
+    const Attribute* a = element.find(attribute);
+    return a ? a->place : element.place;
+  };
+  const int in = element.find("in") ? program_.frame(element.text("in"), place_of("in")) : 0;
+  const int at = program_.frame(element.text("at", f.name), place_of(element.find("at") ? "at" : "name"));
+  Chain chain{program_.frames[in].name, element.text("at", f.name)};
+  Rigid<Expr> offset;
+  if (plugin.transform) offset = plugin.transform(inputs(element, d), choices(element, d));
+  chain.motions = trimmed(program_.between(in, at) * offset);
+  chain.first_slot = program_.slots;
+  for (int i = 0; i < 12; ++i) new_slot(fmt::format("{}[{}]", f.name, i));
+  f.chain = static_cast<int>(program_.chains.size());
+  program_.chains.push_back(std::move(chain));
+
+  const std::string prefix = element.text("columns", f.name);
+  std::vector<Expr> leaves;
+  for (const Column& column : d.columns) {
+    const int slot = new_slot(prefix + column.suffix);
+    f.columns.push_back(static_cast<int>(program_.columns.size()));
+    program_.columns.push_back({prefix + column.suffix, column.dimension, place_of("columns"), slot});
+    leaves.push_back(leaf(slot));
+  }
+  if (plugin.observe) f.observed = plugin.observe(leaves, choices(element, d));
+  f.observed.kind = f.kind;
+  if (const Attribute* sigma = element.find("sigma")) {
+    std::vector<Dimension> expected{length, angle};
+    if (f.kind == Kind::direction) expected = {angle};
+    const auto words = split_list(*sigma);
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      // With a unit the word says itself what it is; without one the order does.
+      Dimension dimension = expected[std::min(i, expected.size() - 1)];
+      const std::size_t letter = words[i].text.find_first_of("abcdefghijklmnopqrstuvwxyz", words[i].text.find_first_of("0123456789."));
+      if (letter != std::string::npos)
+        if (auto unit = parse_unit(std::string_view(words[i].text).substr(letter))) dimension = unit->dimension;
+      const double value = parse_quantity(words[i].text, dimension, program_.units, words[i].place).value;
+      if (!(value > 0)) throw InputError(words[i].place, fmt::format("sigma '{}'", words[i].text), "more than zero");
+      (dimension == length ? f.sigma_length : dimension == angle ? f.sigma_angle : f.sigma_number) = value;
+    }
+  }
+  program_.features.push_back(std::move(f));
+}
+
+void Compiler::add_rows(const std::string& residual, int feature, const std::vector<Expr>& inputs, double weight,
+                        int term, const Place&) {
+  const Plugin& plugin = *registry_.find(residual);
+  const Feature& f = program_.features[feature];
+  const int first = program_.chains[f.chain].first_slot;
+  Matrix3<Expr> R;
+  Vector3<Expr> p;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) R[i][j] = leaf(first + 3 * i + j);
+    p[i] = leaf(first + 9 + i);
+  }
+  const std::vector<Expr> values = plugin.rows(Rigid<Expr>(R, p), f.observed, inputs, {});
+  const std::vector<Column>& columns = plugin.declaration.columns;
+  if (values.size() != columns.size())
+    throw InputError({plugin.origin, 0, 0}, fmt::format("residual '{}' gives {} rows, its declaration has {}", residual,
+                                                        values.size(), columns.size()));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    Row row{f.kind == Kind::scalar ? f.name : f.observed.angles ? columns[i].suffix : f.name + "." + columns[i].suffix};
+    row.dimension = columns[i].dimension;
+    row.value = values[i];
+    row.feature = feature;
+    row.term = term;
+    row.sigma = row.dimension == length ? f.sigma_length : row.dimension == angle ? f.sigma_angle : f.sigma_number;
+    row.weight = weight;
+    program_.rows.push_back(std::move(row));
+  }
+}
+
+void Compiler::calibrate(const Element& element) {
+  CalibrationSettings& s = program_.settings;
+  const Attribute whole{"residual", "", element.place};
+  const Attribute* residual = element.find("residual");
+  if (!residual) throw InputError(element.place, "<calibrate> names no residual", "residual=\"position, ...\"");
+  const auto residuals = split_list(*residual);
+  std::vector<double> weights(residuals.size(), 1);
+  if (const Attribute* w = element.find("weight")) {
+    const auto words = split_list(*w);
+    if (words.size() != residuals.size())
+      throw InputError(w->place, fmt::format("{} weights for {} residuals", words.size(), residuals.size()), "one weight per residual");
+    for (std::size_t i = 0; i < words.size(); ++i) weights[i] = positive_number(words[i], "weight");
+    s.weighted = true;
+  }
+  auto one_of = [&](const char* attribute, const std::vector<std::string>& words) -> int {
+    const Attribute* a = element.find(attribute);
+    if (!a) return -1;
+    const std::string word = a->text.substr(0, a->text.find(' '));
+    for (std::size_t i = 0; i < words.size(); ++i)
+      if (words[i] == word) return static_cast<int>(i);
+    throw InputError(a->place, fmt::format("{}=\"{}\"", attribute, a->text), "one of: " + join(words), nearest(word, words));
+  };
+  if (int i = one_of("objective", {"least_squares", "as_published"}); i >= 0) s.objective = static_cast<Objective>(i);
+  if (int i = one_of("normalise", {"none", "fsr"}); i >= 0) s.full_scale = i == 1;
+  if (int i = one_of("loss", {"none", "huber", "cauchy"}); i >= 0) {
+    s.loss = static_cast<LossKind>(i);
+    const Attribute& a = *element.find("loss");
+    if (const std::size_t space = a.text.find(' '); space != std::string::npos)
+      s.loss_scale = positive_number({a.name, a.text.substr(space + 1), a.place}, "loss scale");
+  }
+  for (std::size_t r = 0; r < residuals.size(); ++r) {
+    const std::string& tag = residuals[r].text;
+    const Plugin* plugin = registry_.find(tag, Family::residual);
+    if (!plugin)
+      throw InputError(residuals[r].place, fmt::format("no residual '{}'", tag), "one of: " + join(registry_.tags(Family::residual)),
+                       nearest(tag, registry_.tags(Family::residual)));
+    std::vector<Expr> values;
+    for (const Input& i : plugin->declaration.inputs) values.push_back(input(element, i).value);
+    const int term = static_cast<int>(program_.terms.size());
+    program_.terms.push_back(tag);
+    int used = 0;
+    auto use = [&](int f) { add_rows(tag, f, values, weights[r], term, residuals[r].place), ++used; };
+    if (const Attribute* of = element.find("of")) {
+      for (const Attribute& word : split_list(*of)) {
+        std::vector<std::string> names;
+        int found = -1;
+        for (std::size_t f = 0; f < program_.features.size(); ++f) {
+          names.push_back(program_.features[f].name);
+          if (program_.features[f].name == word.text) found = static_cast<int>(f);
+        }
+        if (found < 0)
+          throw InputError(word.place, fmt::format("no measured feature '{}'", word.text), "one of: " + join(names), nearest(word.text, names));
+        if (accepts(plugin->declaration, program_.features[found].kind)) use(found);
+        else if (split_list(*of).size() == 1) {
+          std::vector<std::string> kinds;
+          for (Kind k : plugin->declaration.kinds) kinds.push_back(to_string(k));
+          throw InputError(residuals[r].place, fmt::format("residual '{}' cannot be taken of '{}', which is a {}", tag, word.text,
+                                                           to_string(program_.features[found].kind)),
+                           "a feature of kind " + join(kinds, " or "));
+        }
+      }
+    } else {
+      for (std::size_t f = 0; f < program_.features.size(); ++f)
+        if (accepts(plugin->declaration, program_.features[f].kind)) use(static_cast<int>(f));
+    }
+    if (!used) throw InputError(residuals[r].place, fmt::format("residual '{}' fits none of the measured features", tag));
+  }
+}
+
+void Compiler::default_rows() {
+  for (std::size_t f = 0; f < program_.features.size(); ++f) {
+    const Feature& feature = program_.features[f];
+    std::vector<std::string> tags;
+    switch (feature.kind) {
+      case Kind::frame: tags = {"position", "rotation_vector"}; break;
+      case Kind::point: tags = {"position"}; break;
+      case Kind::direction: tags = {feature.observed.angles ? "inverse_direction_cosines" : "direction"}; break;
+      case Kind::scalar: tags = {"vector_length"}; break;
+      case Kind::nothing: tags = {"closure"}; break;
+    }
+    for (const std::string& tag : tags) {
+      const Plugin* plugin = registry_.find(tag, Family::residual);
+      if (!plugin) continue;
+      std::vector<Expr> values;
+      for (const Input& i : plugin->declaration.inputs) values.push_back(Expr(i.otherwise));
+      program_.terms.push_back(tag);
+      add_rows(tag, static_cast<int>(f), values, 1, static_cast<int>(program_.terms.size()) - 1, feature.place);
+    }
+  }
+}
+
+void Compiler::check_seen() const {
+  std::set<int> seen;
+  auto look = [&](const Expr& e) {
+    for (int slot : support(e)) seen.insert(slot);
+  };
+  for (const Row& row : program_.rows) look(row.value);
+  for (const Chain& chain : program_.chains) {
+    bool used = false;
+    for (int i = 0; i < 12; ++i) used |= seen.contains(chain.first_slot + i);
+    if (!used) continue;
+    for (const Motion<Expr>& m : chain.motions.motions()) {
+      look(m.amount);
+      for (int i = 0; i < 3; ++i) {
+        look(m.translation[i]);
+        for (int j = 0; j < 3; ++j) look(m.rotation[i][j]);
+      }
+    }
+  }
+  for (const Parameter& p : program_.parameters)
+    if (!seen.contains(p.slot))
+      throw InputError(p.place, fmt::format("free parameter '{}' is seen by no residual", p.name),
+                       "it to be fixed (no tolerance, no '?'), or a measured feature whose chain it moves");
+  for (const Unknown& u : program_.unknowns)
+    if (!seen.contains(u.slot))
+      throw InputError(u.place, fmt::format("unknown '{}' is seen by no residual", u.name), "a measured feature whose chain it moves");
+}
+
+Program Compiler::run() {
+  frames();
+  for (const Element& e : model_.root.children) {
+    if (e.tag == "parameter" || e.tag == "unknown" || registry_.find(e.tag, Family::sensor)) resolve(e.name(), e.place);
+    else if (e.tag == "constant") resolve(e.name(), e.place);
+  }
+  for (const Element& e : model_.root.children)
+    if (registry_.find(e.tag, Family::feature)) feature(e);
+  bool any = false;
+  for (const Element& e : model_.root.children)
+    if (e.tag == "calibrate") calibrate(e), any = true;
+  if (!any) default_rows();
+  check_seen();
+  return std::move(program_);
+}
+
+Program compile(const Model& model, const Registry& registry) { return Compiler(model, registry).run(); }
+
+}  // namespace talus

@@ -1,0 +1,55 @@
+// The compiler's inside: works out names, then frames, then residual rows, into one Program.
+#pragma once
+
+#include <set>
+
+#include "framework/kinematics/expression.h"
+#include "framework/kinematics/program.h"
+
+namespace talus {
+
+// The words of a comma-separated list, each with its place.
+std::vector<Attribute> split_list(const Attribute& attribute);
+
+class Compiler {
+ public:
+  Compiler(const Model& model, const Registry& registry);
+  Program run();
+
+ private:
+  // names (compile_names.cpp)
+  void collect(const Element& element);
+  Term resolve(const std::string& name, const Place& place);
+  Term input(const Element& element, const Input& input);
+  std::vector<Expr> inputs(const Element& element, const Declaration& declaration);
+  std::vector<int> choices(const Element& element, const Declaration& declaration);
+  Term quantity_or_expression(const std::string& name, const std::string& owner, const Attribute& attribute,
+                              Dimension dimension);
+  Expr free_parameter(const std::string& name, const std::string& owner, const Attribute& attribute,
+                      Dimension dimension, const Quantity& quantity);
+  Dimension kind(const Element& element) const;
+  int new_slot(const std::string& name);
+  Expr leaf(int slot) { return Expr::leaf(*program_.tape, slot); }
+  void sensor(const Element& element);
+  void unknown(const Element& element);
+
+  // frames (compile_frames.cpp)
+  void frames();
+
+  // features and residual rows (compile_rows.cpp)
+  void feature(const Element& element);
+  void calibrate(const Element& element);
+  void default_rows();
+  void add_rows(const std::string& residual, int feature, const std::vector<Expr>& inputs, double weight,
+                int term, const Place& place);
+  void check_seen() const;
+
+  const Model& model_;
+  const Registry& registry_;
+  Program program_;
+  std::map<std::string, const Element*> named_;  // every element with a name
+  std::map<std::string, Term> known_;            // names worked out so far
+  std::set<std::string> in_progress_;
+};
+
+}  // namespace talus

@@ -1,0 +1,136 @@
+// A compiled model: immutable, and safe to share between threads.
+//
+// Compiling runs every plugin once on tracing numbers. What is left is one tape of scalar
+// expressions on numbered slots (free parameters, readings, unknowns, measured columns, covariates),
+// chains of elementary motions whose amounts are such expressions, and residual rows as expressions of
+// the chains' end poses and of the measured columns. The solver never learns which joint it was.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "framework/kinematics/rigid.h"
+#include "framework/model/model.h"
+#include "framework/model/quantity.h"
+#include "framework/registry/registry.h"
+
+namespace talus {
+
+// A free number of the model.
+struct Parameter {
+  std::string name;  // "joint2.a", or the name of a <parameter>
+  std::string element, attribute;  // where its text stands in the model
+  Dimension dimension;
+  Quantity nominal;
+  Place place;
+  int slot = -1;
+};
+
+// A sensor's raw reading.
+struct Reading {
+  std::string sensor, column;
+  Dimension dimension;
+  double sigma = 0;                                // standard deviation of its noise
+  std::optional<std::pair<double, double>> range;  // of the reading
+  Place place;
+  int slot = -1;
+  Expr value;  // the coordinate it means, calibrated
+};
+
+// A number found per pose (`per` empty) or per group of rows with equal values in the columns `per`.
+struct Unknown {
+  std::string name;
+  Dimension dimension;
+  Quantity start;
+  std::vector<std::string> per;
+  Place place;
+  int slot = -1;
+};
+
+// A measured column.
+struct MeasuredColumn {
+  std::string name;
+  Dimension dimension;
+  Place place;
+  int slot = -1;
+};
+
+// A frame of the tree; `motion` is T_parent_frame.
+struct Frame {
+  std::string name;
+  int parent = -1;  // -1: the root
+  Rigid<Expr> motion;
+  Place place;
+};
+
+// T_in_at as a product of motions; its end pose is read through twelve slots, the rotation's
+// rows then the translation.
+struct Chain {
+  std::string in, at;
+  Rigid<Expr> motions;
+  int first_slot = -1;
+  std::array<std::string, 2> key() const { return {in, at}; }
+};
+
+struct Feature {
+  std::string name, tag;
+  Kind kind = Kind::nothing;
+  int chain = -1;
+  std::vector<int> columns;  // indices of measured columns
+  std::optional<double> sigma_length, sigma_angle, sigma_number;
+  Observed<Expr> observed;
+  Place place;
+};
+
+// One residual row: measured minus modelled, in internal units.
+struct Row {
+  std::string measure;  // "E.x", "P", "IDCx"
+  Dimension dimension;
+  Expr value;
+  int feature = -1;
+  int term = -1;                // which residual of <calibrate>
+  std::optional<double> sigma;  // stated standard deviation of the measurement
+  double weight = 1;            // of its term
+};
+
+enum class Objective { least_squares, as_published };
+enum class LossKind { none, huber, cauchy };
+
+struct CalibrationSettings {
+  Objective objective = Objective::least_squares;
+  LossKind loss = LossKind::none;
+  double loss_scale = 2;  // in sigmas
+  bool weighted = false;  // weights were given: rows are weighted by them rather than by sigmas
+  bool full_scale = false;  // rows are divided by their full-scale range first
+};
+
+struct Program {
+  std::string name;
+  UnitSystem units;
+  std::unique_ptr<Tape> tape = std::make_unique<Tape>();
+  int slots = 0;
+  std::vector<std::string> slot_names;
+  std::vector<Parameter> parameters;
+  std::vector<Reading> readings;
+  std::vector<Unknown> unknowns;
+  std::vector<MeasuredColumn> columns;
+  std::vector<Frame> frames;
+  std::map<std::string, int> frame_index;  // aliases included
+  std::vector<Chain> chains;
+  std::vector<Feature> features;
+  std::vector<Row> rows;
+  std::vector<std::string> terms;  // residual names, in order
+  CalibrationSettings settings;
+
+  int frame(const std::string& name, const Place& place) const;  // InputError where unknown
+  Rigid<Expr> between(int in, int at) const;                     // T_in_at through the tree
+};
+
+// Compiles a checked model. InputError for: wrong or missing units, unknown or cyclic names, frames that hang
+// loose or are reached twice, residuals that do not fit their feature, a free parameter that no residual sees.
+Program compile(const Model& model, const Registry& registry);
+
+}  // namespace talus
