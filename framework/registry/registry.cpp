@@ -119,13 +119,19 @@ static bool is_identifier(std::string_view s) {
          std::all_of(s.begin(), s.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
 }
 
+static const Plugin* look_up(const std::map<std::string, Plugin, std::less<>>& plugins, std::string_view tag) {
+  auto it = plugins.find(tag);
+  return it == plugins.end() ? nullptr : &it->second;
+}
+
 void Registry::add(Plugin plugin) {
   const Declaration& d = plugin.declaration;
   auto refuse = [&](const std::string& why) {
     throw InputError({plugin.origin, 0, 0}, fmt::format("plugin '{}': {}", d.tag, why));
   };
   if (!is_identifier(d.tag)) refuse("its tag is not a word of letters, digits and '_'");
-  if (const Plugin* other = find(d.tag))
+  auto& plugins = d.family == Family::residual ? residuals_ : elements_;
+  if (const Plugin* other = look_up(plugins, d.tag))
     refuse(fmt::format("its tag is taken by a {} ({})", to_string(other->declaration.family), other->origin));
   if (d.summary.empty()) refuse("it has no summary");
   std::vector<std::string> seen{"name"};
@@ -142,22 +148,23 @@ void Registry::add(Plugin plugin) {
                      : d.family == Family::feature ? d.kinds.size() == 1 && (plugin.observe || d.kinds[0] == Kind::nothing)
                                                    : plugin.rows && !d.columns.empty();
   if (!whole) refuse("it lacks the function that a " + to_string(d.family) + " must have");
-  plugins_.emplace(d.tag, std::move(plugin));
+  plugins.emplace(std::string(d.tag), std::move(plugin));
 }
 
 const Plugin* Registry::find(std::string_view tag) const {
-  auto it = plugins_.find(tag);
-  return it == plugins_.end() ? nullptr : &it->second;
+  const Plugin* plugin = look_up(elements_, tag);
+  return plugin ? plugin : look_up(residuals_, tag);
 }
 
 const Plugin* Registry::find(std::string_view tag, Family family) const {
-  const Plugin* plugin = find(tag);
+  const Plugin* plugin = look_up(family == Family::residual ? residuals_ : elements_, tag);
   return plugin && plugin->declaration.family == family ? plugin : nullptr;
 }
 
 std::vector<const Plugin*> Registry::all() const {
   std::vector<const Plugin*> result;
-  for (const auto& [tag, plugin] : plugins_) result.push_back(&plugin);
+  for (const auto* plugins : {&elements_, &residuals_})
+    for (const auto& [tag, plugin] : *plugins) result.push_back(&plugin);
   std::stable_sort(result.begin(), result.end(), [](const Plugin* a, const Plugin* b) {
     return a->declaration.family < b->declaration.family;
   });
@@ -166,7 +173,7 @@ std::vector<const Plugin*> Registry::all() const {
 
 std::vector<std::string> Registry::tags(Family family) const {
   std::vector<std::string> result;
-  for (const auto& [tag, plugin] : plugins_)
+  for (const auto& [tag, plugin] : family == Family::residual ? residuals_ : elements_)
     if (plugin.declaration.family == family) result.push_back(tag);
   return result;
 }

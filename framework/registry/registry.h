@@ -1,6 +1,9 @@
 // The registry: the grammar of model files. A tag is the name of a plugin; whatever is registered
 // can be written. Built-in plugins are there from the start, others are added by loading a shared
 // library or a Lua file that the user names.
+//
+// Residuals are not elements but words of <calibrate residual="...">, so a residual may bear the
+// name of an element: the feature `direction` and the residual `direction`.
 #pragma once
 
 #include <map>
@@ -21,7 +24,7 @@ class Registry {
   static Registry& built_in();
 
   void add(Plugin plugin);  // InputError where the tag is taken or the declaration is unsound
-  const Plugin* find(std::string_view tag) const;
+  const Plugin* find(std::string_view tag) const;  // elements before residuals
   const Plugin* find(std::string_view tag, Family family) const;
   std::vector<const Plugin*> all() const;             // by family, then by tag
   std::vector<std::string> tags(Family family) const;
@@ -31,7 +34,7 @@ class Registry {
   void load_library(const std::string& file);
 
  private:
-  std::map<std::string, Plugin, std::less<>> plugins_;
+  std::map<std::string, Plugin, std::less<>> elements_, residuals_;
 };
 
 }  // namespace talus

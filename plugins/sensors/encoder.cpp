@@ -1,11 +1,13 @@
 #include "framework/registry/bind.h"
 
 namespace talus {
+namespace {
 
 // Rotary encoder: angle = slope * reading + intercept.
 struct Encoder {
   static Declaration declaration() {
-    return sensor("encoder", angle, angle, "rotary encoder: slope * reading + intercept (Bonny 2013, sec. 2.1)")
+    return sensor("encoder", angle, angle,
+                  "rotary encoder: slope * reading + intercept (Bonny 2013, sec. 2.1)")
         .input("slope", number, 1, "angle per reading")
         .input("intercept", angle, 0, "angle at reading zero");
   }
@@ -16,4 +18,5 @@ struct Encoder {
 };
 TALUS_PLUGIN(Encoder)
 
+}  // namespace
 }  // namespace talus

@@ -1,0 +1,32 @@
+#include "framework/registry/bind.h"
+
+namespace talus {
+namespace {
+
+// Rigid link between two frames, the mathematics of `mount` by the name that fits inside a chain:
+// T_A_B = Trans(x, y, z) R(a, b, c), the rotation in one of three orders (Bonny 2013, eq. 2).
+struct Fixed {
+  static Declaration declaration() {
+    return joint("fixed",
+                 "rigid link between two frames: Trans(x,y,z) and a rotation (Bonny 2013, eq. 2)")
+        .input("x", length, 0, "x of the origin of B in A")
+        .input("y", length, 0, "y of it")
+        .input("z", length, 0, "z of it")
+        .input("a", angle, 0,
+               "first angle: about z (zxz), roll (rpy), x of the rotation vector (vector)")
+        .input("b", angle, 0, "second angle: about x (zxz), pitch (rpy), y of the vector")
+        .input("c", angle, 0, "third angle: about z (zxz), yaw (rpy), z of the vector")
+        .choice("order", {"zxz", "rpy", "vector"},
+                "Rz(a) Rx(b) Rz(c), Rz(c) Ry(b) Rx(a), or exp(a, b, c)");
+  }
+  template <class T>
+  static Rigid<T> transform(T x, T y, T z, T a, T b, T c, int order) {
+    return translate(x, y, z) * (order == 0   ? rotate_zxz(a, b, c)
+                                 : order == 1 ? rotate_rpy(a, b, c)
+                                              : rotate_by_vector(a, b, c));
+  }
+};
+TALUS_PLUGIN(Fixed)
+
+}  // namespace
+}  // namespace talus

@@ -1,0 +1,39 @@
+#include "framework/registry/bind.h"
+
+namespace talus {
+namespace {
+
+// Errors of the angles between the z axis of the feature's frame and the three axes of frame `in`
+// (Nordquist and Hull 2009, eqs 6-8). The angle to axis i is acos(u_i), here
+// atan2(sqrt(u_j^2 + u_k^2), u_i), which stays accurate near alignment. At alignment itself the
+// angle has a corner; its derivative is taken as 0 there.
+struct InverseDirectionCosines {
+  static Declaration declaration() {
+    return residual(
+               "inverse_direction_cosines", {Kind::frame, Kind::direction},
+               "errors of the z axis' angles to the axes of frame `in` (Nordquist 2009, eqs 6-8)")
+        .row("IDCx", angle)
+        .row("IDCy", angle)
+        .row("IDCz", angle);
+  }
+  template <class T>
+  static Vector3<T> angles(const Vector3<T>& u) {
+    using std::atan2;
+    const Vector3<T> q{u[0] * u[0], u[1] * u[1], u[2] * u[2]};
+    return {atan2(safe_sqrt(q[1] + q[2]), u[0]), atan2(safe_sqrt(q[2] + q[0]), u[1]),
+            atan2(safe_sqrt(q[0] + q[1]), u[2])};
+  }
+  template <class T>
+  static std::vector<T> rows(const Rigid<T>& model, const Observed<T>& measured) {
+    const Vector3<T> seen = measured.angles ? measured.vector
+                            : measured.kind == Kind::frame
+                                ? angles(column(measured.frame.rotation(), 2))
+                                : angles(measured.vector);
+    const Vector3<T> error = seen - angles(column(model.rotation(), 2));
+    return {error[0], error[1], error[2]};
+  }
+};
+TALUS_PLUGIN(InverseDirectionCosines)
+
+}  // namespace
+}  // namespace talus
