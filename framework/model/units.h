@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace talus {
 
@@ -43,6 +44,11 @@ std::optional<Unit> parse_unit(std::string_view text);
 
 // "a length (mm, m, ...)": for messages.
 std::string describe(Dimension dimension);
+
+// For messages: the names that parse_unit knows, and the one nearest to what was written ("°C" is
+// meant as "degC"), or "". With a dimension, only units of that.
+std::vector<std::string> unit_names(std::optional<Dimension> dimension = {});
+std::string nearest_unit(std::string_view text, std::optional<Dimension> dimension = {});
 
 // The units in which one model is written and reported. Lengths and angles are the model's choice,
 // everything else has one canonical unit.
