@@ -81,7 +81,7 @@ void Compiler::feature(const Element& element) {
 
 void Compiler::add_rows(const std::string& residual, int feature, const std::vector<Expr>& inputs, double weight,
                         int term, const Place&) {
-  const Plugin& plugin = *registry_.find(residual);
+  const Plugin& plugin = *registry_.find(residual, Family::residual);
   const Feature& f = program_.features[feature];
   const int first = program_.chains[f.chain].first_slot;
   Matrix3<Expr> R;
