@@ -1,0 +1,112 @@
+// The peers' rows: hand-written Ceres with automatic differentiation, and the SIMD floor.
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+
+#include "tests/bench/bench.h"
+#include "tests/bench/isl_peer_autodiff.h"
+#include "tests/bench/isl_peer_simd.h"
+
+namespace talus::bench {
+namespace {
+
+struct Free {
+  void operator()(double* p) const { std::free(p); }
+};
+using Buffer = std::unique_ptr<double[], Free>;
+
+Buffer buffer(std::size_t count) {
+  return Buffer(
+      static_cast<double*>(std::aligned_alloc(64, (count * sizeof(double) + 63) / 64 * 64)));
+}
+
+// Time per pose: Google Benchmark's inverse rate, shown with its own prefix (n for ns).
+void count_poses(benchmark::State& state, int poses) {
+  state.counters["per_pose"] = benchmark::Counter(
+      poses, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+void autodiff_jacobian(benchmark::State& state) {
+  const IslPoses poses = isl_poses(static_cast<int>(state.range(0)));
+  const IslAutodiff autodiff(poses, isl_published_factors());
+  double residuals[isl_rows], jacobian[isl_rows * isl_parameters];
+  for (auto _ : state)
+    for (int i = 0; i < autodiff.poses(); ++i) {
+      autodiff.evaluate(i, isl_nominal(), residuals, jacobian);
+      benchmark::DoNotOptimize(jacobian);
+    }
+  count_poses(state, autodiff.poses());
+}
+BENCHMARK(autodiff_jacobian)->Name("jacobian/autodiff")->Arg(1000);
+
+// Into a block that stays in the nearest cache, as a solver does that consumes it at once.
+void simd_jacobian(benchmark::State& state) {
+  const IslPoses poses = isl_poses(static_cast<int>(state.range(0)));
+  IslSimd simd(poses, isl_published_factors());
+  const Buffer residuals = buffer(isl_rows * IslSimd::lanes);
+  const Buffer jacobian = buffer(isl_rows * isl_parameters * IslSimd::lanes);
+  for (auto _ : state) {
+    simd.set(isl_nominal());
+    for (int i = 0; i < simd.batches(); ++i) {
+      simd.evaluate(i, 1, residuals.get(), jacobian.get());
+      benchmark::ClobberMemory();
+    }
+  }
+  count_poses(state, static_cast<int>(poses.size()));
+  state.counters["lanes"] = IslSimd::lanes;
+}
+BENCHMARK(simd_jacobian)->Name("jacobian/simd")->Arg(1000)->Arg(100000);
+
+// Into one array for all poses.
+void simd_jacobian_array(benchmark::State& state) {
+  const IslPoses poses = isl_poses(static_cast<int>(state.range(0)));
+  IslSimd simd(poses, isl_published_factors());
+  const std::size_t lanes = static_cast<std::size_t>(simd.batches()) * IslSimd::lanes;
+  const Buffer residuals = buffer(isl_rows * lanes);
+  const Buffer jacobian = buffer(isl_rows * isl_parameters * lanes);
+  for (auto _ : state) {
+    simd.set(isl_nominal());
+    simd.evaluate(0, simd.batches(), residuals.get(), jacobian.get());
+    benchmark::ClobberMemory();
+  }
+  count_poses(state, static_cast<int>(poses.size()));
+}
+BENCHMARK(simd_jacobian_array)->Name("jacobian/simd_array")->Arg(1000)->Arg(100000);
+
+const bool added = add_calibrator("autodiff", calibrate_autodiff);
+
+}  // namespace
+
+double peers_differ() {
+  const IslPoses poses = isl_poses(1003);
+  const IslFactors factors = isl_published_factors();
+  const IslAutodiff autodiff(poses, factors);
+  IslSimd simd(poses, factors);
+  const int lanes = IslSimd::lanes;
+  const Buffer residuals = buffer(isl_rows * lanes);
+  const Buffer jacobian = buffer(isl_rows * isl_parameters * lanes);
+  double worst = 0;
+  const auto compare = [&](const double* expected, const double* found, int count) {
+    for (int i = 0; i < count; ++i) {
+      const double difference =
+          std::abs(found[i * lanes] - expected[i]) / (1 + std::abs(expected[i]));
+      worst = std::max(worst, std::isnan(difference) ? INFINITY : difference);
+    }
+  };
+  for (const IslParameters& at : {isl_nominal(), isl_optimised()}) {
+    simd.set(at);
+    for (int i = 0; i < autodiff.poses(); ++i) {
+      if (i % lanes == 0) simd.evaluate(i / lanes, 1, residuals.get(), jacobian.get());
+      double r[isl_rows], j[isl_rows * isl_parameters];
+      autodiff.evaluate(i, at, r, j);
+      compare(r, &residuals[i % lanes], isl_rows);
+      compare(j, &jacobian[i % lanes], isl_rows * isl_parameters);
+    }
+  }
+  return worst;
+}
+
+}  // namespace talus::bench
