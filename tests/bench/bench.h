@@ -7,6 +7,8 @@
 // solver itself reports as seconds counts, so it may bring the poses into its own form first.
 #pragma once
 
+#include <benchmark/benchmark.h>
+
 #include <string>
 
 #include "tests/bench/isl_data.h"
@@ -17,7 +19,11 @@ using Calibrator = Calibration (*)(const IslPoses&, const IslFactors&);
 
 bool add_calibrator(const std::string& name, Calibrator calibrate);
 
-// Largest difference of the SIMD peer's residuals and Jacobian from those by automatic
+// With --benchmark_repetitions=9 the least time is shown too: BENCHMARK(...)->Apply(least). On a
+// machine that others use it says more than the mean.
+void least(benchmark::internal::Benchmark* row);
+
+// Largest difference of the SIMD peer's rows and Gram matrix from those by automatic
 // differentiation, over 1,003 poses at nominal and published parameters, relative to 1 + |value|.
 double peers_differ();
 

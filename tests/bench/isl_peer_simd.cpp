@@ -71,8 +71,8 @@ namespace {
 // Writes the columns of one batch.
 class Columns {
  public:
-  Columns(double* jacobian, const IslFactors& factors, const Vector<Batch>& e)
-      : to_(jacobian), f_(factors), e_(e) {}
+  Columns(double* to, const IslFactors& factors, const Vector<Batch>& e)
+      : to_(to), f_(factors), e_(e) {}
 
   // M of the header, its rows scaled. Each pair: the two entries beside the diagonal.
   Batch xy, xz, yx, yz, zx, zy;
@@ -104,13 +104,13 @@ class Columns {
   void scaled(int parameter, const Column& c, const Batch& by) {
     for (int row = 0; row < 6; ++row) store(parameter, row, c.rows[row] * by);
   }
-  void copy(int parameter, const Column& c) {
+  void column(int parameter, const Column& c) {
     for (int row = 0; row < 6; ++row) store(parameter, row, c.rows[row]);
   }
 
  private:
   void store(int parameter, int row, const Batch& value) {
-    value.store_aligned(to_ + (row * isl_parameters + parameter) * width);
+    value.store_aligned(to_ + (row * IslSimd::columns + parameter) * width);
   }
 
   double* to_;
@@ -123,7 +123,7 @@ inline Vector<Batch> spread(const Vector<double>& v) {
 }
 
 void evaluate_batch(const double* input, const IslSimd::Fixed& fixed, const IslFactors& f,
-                    double* residuals, double* jacobian) {
+                    double* output) {
   const IslParameters& p = fixed.parameters;
   const auto in = [&](int i) { return Batch::load_aligned(input + i * width); };
   const double* base = &p[isl_at::base];
@@ -166,15 +166,9 @@ void evaluate_batch(const double* input, const IslSimd::Fixed& fixed, const IslF
   Vector<Batch> e = see(in(15) - base[0], in(16) - base[1], in(17) - base[2]);
   e = {e.x + at.origin.x, e.y + at.origin.y, e.z + at.origin.z};
 
-  const Batch rows[6] = {e.x * f[0],
-                         e.y * f[1],
-                         e.z * f[2],
-                         xsimd::atan2(e2.z, e2.y) * f[3],
-                         xsimd::atan2(e3.x, e3.z) * f[4],
-                         xsimd::atan2(e1.y, e1.x) * f[5]};
-  for (int row = 0; row < 6; ++row) rows[row].store_aligned(residuals + row * width);
-
-  Columns to(jacobian, f, e);
+  Columns to(output, f, e);
+  to.column(isl_parameters, {{e.x * f[0], e.y * f[1], e.z * f[2], xsimd::atan2(e2.z, e2.y) * f[3],
+                              xsimd::atan2(e3.x, e3.z) * f[4], xsimd::atan2(e1.y, e1.x) * f[5]}});
   const Batch kx = e2.x * f[3] / (e2.y * e2.y + e2.z * e2.z);
   const Batch ky = e3.y * f[4] / (e3.x * e3.x + e3.z * e3.z);
   const Batch kz = e1.z * f[5] / (e1.x * e1.x + e1.y * e1.y);
@@ -190,7 +184,7 @@ void evaluate_batch(const double* input, const IslSimd::Fixed& fixed, const IslF
   for (int i = 0; i < 5; ++i) {
     const Columns::Column theta = to.turn(isl_at::intercept + i, z[i], origin[i]);
     to.scaled(isl_at::slope + i, theta, reading[i]);
-    if (i == 0) to.copy(isl_at::base + 5, theta);
+    if (i == 0) to.column(isl_at::base + 5, theta);
     to.shift(isl_at::d + i, z[i]);
     to.shift(isl_at::a + i, x[i]);
     to.turn(isl_at::alpha + i, x[i], origin[i + 1]);
@@ -218,13 +212,14 @@ void IslSimd::Free::operator()(double* p) const { std::free(p); }
 
 IslSimd::IslSimd(const IslPoses& poses, const IslFactors& factors)
     : factors_(factors),
+      poses_(static_cast<int>(poses.size())),
       batches_((static_cast<int>(poses.size()) + width - 1) / width),
       input_(static_cast<double*>(
           std::aligned_alloc(64, (sizeof(double) * batches_ * inputs * width + 63) / 64 * 64))) {
   if (!input_) throw std::bad_alloc();
   for (int i = 0; i < batches_ * width; ++i) {
     const IslPose& pose = poses[std::min<std::size_t>(i, poses.size() - 1)];
-    double* to = &input_[(i / width) * inputs * width + i % width];
+    double* to = &input_[static_cast<std::size_t>(i / width) * inputs * width + i % width];
     for (double v : pose.readings) *to = v, to += width;
     for (double v : pose.rotation) *to = v, to += width;
     for (double v : pose.position) *to = v, to += width;
@@ -235,11 +230,15 @@ IslSimd::~IslSimd() = default;
 
 void IslSimd::set(const IslParameters& parameters) { fixed_ = std::make_unique<Fixed>(parameters); }
 
-void IslSimd::evaluate(int first, int count, double* residuals, double* jacobian) const {
+void IslSimd::evaluate(int first, int count, double* rows) const {
+  constexpr int size = isl_rows * columns * width;
   for (int i = 0; i < count; ++i)
-    evaluate_batch(&input_[(first + i) * inputs * width], *fixed_, factors_,
-                   residuals + i * isl_rows * width,
-                   jacobian + i * isl_rows * isl_parameters * width);
+    evaluate_batch(&input_[static_cast<std::size_t>(first + i) * inputs * width], *fixed_, factors_,
+                   rows + i * size);
+  if (first + count < batches_) return;
+  double* last = rows + (count - 1) * size;
+  for (int lane = poses_ - (batches_ - 1) * width; lane < width; ++lane)
+    for (int i = 0; i < isl_rows * columns; ++i) last[i * width + lane] = 0;
 }
 
 }  // namespace talus::bench

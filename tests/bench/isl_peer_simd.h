@@ -24,6 +24,7 @@ namespace talus::bench {
 class IslSimd {
  public:
   static const int lanes;  // poses per batch
+  static constexpr int columns = isl_parameters + 1;
 
   IslSimd(const IslPoses& poses, const IslFactors& factors);
   ~IslSimd();
@@ -32,9 +33,10 @@ class IslSimd {
   // Takes parameters and does what they alone determine.
   void set(const IslParameters& parameters);
 
-  // Evaluates `count` batches from `first` on. residuals: [batch][row][lane]; jacobian:
-  // [batch][row][parameter][lane]; both aligned to 64 bytes. Lanes beyond the last pose repeat it.
-  void evaluate(int first, int count, double* residuals, double* jacobian) const;
+  // Evaluates `count` batches from `first` on into [batch][row][column][lane], aligned to 64 bytes:
+  // columns 0 to 37 are the Jacobian, column 38 is the residual. Lanes beyond the last pose are
+  // empty: zero in every row.
+  void evaluate(int first, int count, double* rows) const;
 
   struct Fixed;
 
@@ -44,7 +46,7 @@ class IslSimd {
   };
   IslFactors factors_;
   std::unique_ptr<Fixed> fixed_;
-  int batches_;
+  int poses_, batches_;
   std::unique_ptr<double[], Free> input_;  // [batch][6 readings, 9 rotation, 3 position][lane]
 };
 
