@@ -10,6 +10,12 @@
 namespace talus {
 namespace {
 
+double read(std::string_view text) {
+  double value = 0;
+  std::from_chars(text.data(), text.data() + text.size(), value);
+  return value;
+}
+
 // Both to `digits` significant digits of the tolerance, e.g. "300.00" and "0.50".
 std::pair<std::string, std::string> round_to_tolerance(double value, double tolerance, int digits) {
   const std::string scientific = fmt::format("{:.{}e}", tolerance, digits - 1);
@@ -35,19 +41,16 @@ std::string write_quantity(const Quantity& quantity, Dimension dimension, const 
   if (has_tolerance && digits > 0) {
     const auto rounded = round_to_tolerance((quantity.value - unit.offset) / unit.factor,
                                             *quantity.tolerance / unit.factor, digits);
-    const double back = unit.factor * std::strtod(rounded.first.c_str(), nullptr) + unit.offset;
+    const double back = unit.factor * read(rounded.first) + unit.offset;
     const auto& bounds = quantity.bounds;
     if (!bounds || (bounds->first <= back && back <= bounds->second)) value = rounded.first;
     tolerance = rounded.second;
   }
+  const bool has_default_unit = dimension == number || dimension == length || dimension == angle;
   std::string text = value;
   if (has_tolerance) text += " ± " + tolerance;
+  if (!has_default_unit) text += " " + unit.text;
   if (quantity.free && !has_tolerance) text += " ?";
-  const bool has_default_unit = dimension == number || dimension == length || dimension == angle;
-  if (!has_default_unit && quantity.free && !has_tolerance)
-    text = value + " " + unit.text + " ?";
-  else if (!has_default_unit)
-    text += " " + unit.text;
   if (quantity.bounds)
     text += " [" + shortest(quantity.bounds->first, unit) + ", " +
             shortest(quantity.bounds->second, unit) + "]";
@@ -63,8 +66,7 @@ std::string shortest(double value, const Unit& unit) {
     char text[40];
     const auto end =
         std::to_chars(text, text + sizeof text, written, std::chars_format::general, digits).ptr;
-    double rounded = 0;
-    std::from_chars(text, end, rounded);
+    const double rounded = read({text, end});
     if (reads_back(rounded)) return shortest(rounded);
   }
   const double infinity = std::numeric_limits<double>::infinity();

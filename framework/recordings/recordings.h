@@ -5,8 +5,9 @@
 //     pose,time[s],session,theta1[deg],E.x[mm],E.y[mm],use
 //     1,0.0,1,-27.05,242.9,32.9,fit
 //
-// A missing value is an empty cell and is read as NaN; `inf`, `nan` and text are errors. A unit is converted,
-// never guessed: a column without a bracket is a plain number.
+// A missing value is an empty cell and is read as NaN; `inf`, `nan` and text are errors. A unit is
+// converted, never guessed: a column without a bracket is a plain number. Marker files (TRC) are
+// read as well: each marker NAME becomes the point NAME.x, NAME.y, NAME.z beside pose and time.
 #pragma once
 
 #include <cstdint>
@@ -32,27 +33,33 @@ class Recordings {
   std::string file;
   std::vector<RecordedColumn> columns;
   std::vector<int> lines;  // the file's line of each row, for messages
+  int header_line = 0;
+
+  // The text column `use`, where there is one: true for fit, false for check.
+  std::optional<std::vector<bool>> use;
 
   std::size_t rows() const { return lines.size(); }
   const RecordedColumn* find(std::string_view name) const;
-  // The column, or InputError with the place of the header line, the nearest column name, and, where the
-  // dimension differs, the unit found and those expected.
+
+  // The column, or InputError with the place of the header, the nearest column name, and, where
+  // the dimension differs, the unit found and those expected.
   const RecordedColumn& get(std::string_view name, Dimension dimension) const;
-  // The text column `use`, where there is one: true for fit, false for check.
-  std::optional<std::vector<bool>> use;
 };
 
-Recordings read_recordings(const std::string& file);                                     // CSV
-Recordings parse_recordings(std::string_view text, const std::string& file);
-std::string write_recordings(const Recordings& recordings);                              // CSV
+Recordings read_recordings(const std::string& file);  // CSV; TRC if the name ends in .trc
+Recordings parse_recordings(std::string_view text, const std::string& file);  // CSV
+Recordings parse_trc(std::string_view text, const std::string& file);
+std::string write_recordings(const Recordings& recordings);  // CSV; reads back as the same numbers
 
-// Rows to fit and rows to check. With a `use` column that decides. Otherwise `check_share` of the groups is
-// drawn at random from the seed; a group is what must not be torn apart: the rows with equal values in
-// `group_columns` (by default those columns that the model's unknowns are shared by, `star`-like ids the user names
-// with --group) and rows that repeat one setting (equal readings within `repeat_tolerance`).
+// Rows to fit and rows to check. With a `use` column that decides. Otherwise `check_share` of the
+// groups is drawn at random from the seed, at least one and never all. A group is what must not be
+// torn apart: rows with equal values in `group_columns` (those the model's unknowns are shared by,
+// `star`-like ids the user names with --group) and rows that repeat one setting. Repeats are rows
+// whose readings, each sorted by size, follow without a gap larger than `repeat_tolerance`: with a
+// tolerance larger than the steps of a slow motion, all of that motion is one group.
 struct Split {
   std::vector<std::size_t> fit, check;  // row numbers, increasing
-  std::vector<int> group;               // of each row
+  std::vector<int> group;               // of each row, numbered as they first appear
 };
 struct SplitOptions {
   double check_share = 0.3;
@@ -63,7 +70,9 @@ struct SplitOptions {
 };
 Split split_rows(const Recordings& recordings, const SplitOptions& options);
 
-// k folds by whole groups: the rows to hold out in each.
-std::vector<std::vector<std::size_t>> folds(const std::vector<int>& group, int k, std::uint64_t seed);
+// k folds by whole groups, of about equal numbers of rows: the rows to hold out in each. Fewer
+// than k where there are fewer groups, none for a single group.
+std::vector<std::vector<std::size_t>> folds(const std::vector<int>& group, int k,
+                                            std::uint64_t seed);
 
 }  // namespace talus
