@@ -171,7 +171,9 @@ inline void check_plugin(const Plugin& plugin) {
   Random random(1);
   check_declaration(d);
   for (const auto& choices : combinations(d.choices)) {
-    CAPTURE(choices);
+    std::string words;
+    for (std::size_t i = 0; i < choices.size(); ++i) words += d.choices[i].words[choices[i]] + " ";
+    CAPTURE(words);
     check_functions(plugin, choices, random);
     check_round_trip(plugin, choices, random);
   }

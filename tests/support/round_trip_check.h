@@ -90,8 +90,6 @@ inline void check_round_trip(const Plugin& plugin, const std::vector<int>& choic
   const Model from_lua = read_lua(lua, "example.lua", registry);
   CHECK(same(from_xml.root, model.root));
   CHECK(same(from_lua.root, model.root));
-  CHECK(write_xml(from_lua) == xml);
-  CHECK(write_lua(from_xml) == lua);
 }
 
 }  // namespace talus::testing
