@@ -54,6 +54,7 @@ TEST_CASE("units: the default, one's own, one for all") {
   const Quantity q = read("300 ± 0.5 mm [0, 0.31 m]");
   CHECK(q.bounds.value() == std::pair(0.0, 310.0));
   CHECK(read("3 ± 0.5 [2, 4] m").bounds.value() == std::pair(2000.0, 4000.0));
+  CHECK(read("0.3 [0.29 m, 0.31]").bounds.value() == std::pair(290.0, 310.0));
   CHECK(read("0 ? [0, inf]").bounds->second == std::numeric_limits<double>::infinity());
   CHECK(read("0.5 deg/(N*m)", angle / torque).value == doctest::Approx(0.5 * deg / 1e6));
 }
@@ -128,7 +129,7 @@ TEST_CASE("complaints about quantities, to the letter") {
 TEST_CASE("what is never read as a number") {
   for (const char* text :
        {"nan", "inf", "-inf", "1e999", "0x10", "± 1", "300 ± nan", "300 ± 0", "1 ? ± 2", "1 2 mm",
-        "[1, 2]", "1 [2]", "1 [0, 2] 3", "300 + 5", "300 ± inf"}) {
+        "[1, 2]", "1 [2]", "1 [1, 1]", "1 [0, 2] 3", "300 + 5", "300 ± inf"}) {
     CAPTURE(text);
     CHECK_THROWS_AS(read(text), InputError);
   }
@@ -172,6 +173,10 @@ TEST_CASE("written as it was read") {
   CHECK(again("20 ?", temperature) == "20 degC ?");
   CHECK(again("0.3 m ± 500 um") == "300 ± 0.5");
   CHECK(again("-0") == "0");
+  for (int i = 1; i < 1000; ++i) {
+    const std::string text = shortest(i / 100.0);  // "0.07", never "0.07000000000000001"
+    REQUIRE(again(text.c_str(), angle) == text);
+  }
 }
 
 TEST_CASE("rounded to the digits of the tolerance") {
@@ -183,6 +188,7 @@ TEST_CASE("rounded to the digits of the tolerance") {
   CHECK(rounded("300.123456 ± 123") == "300 ± 120");
   CHECK(rounded("300.126 ± 0.1 [300.125, 300.1262]") ==
         "300.126 ± 0.10 [300.125, 300.1262]");  // not out of bounds
+  CHECK(rounded("300.124 ± 0.1 [300.1235, 301]") == "300.124 ± 0.10 [300.1235, 301]");
   CHECK(rounded("300.123456") == "300.123456");
 }
 

@@ -86,6 +86,7 @@ TEST_CASE("complaints about the header, to the letter") {
         "degC, K, kg, g, N, "
         "count, 1, or a product such as N*mm\n"
         "  did you mean 'deg'?");
+  CHECK(complaint("θ[deg],b[°]\n1,2\n").starts_with("r.csv:1:10: '°' is not a unit\n"));
   CHECK(complaint("pose,theta1(deg)\n1,2\n") ==
         "r.csv:1:12: the unit in 'theta1(deg)' is in round brackets\n"
         "  expected square brackets\n"
