@@ -9,9 +9,13 @@
 
 namespace talus {
 
-// Reads a model by its ending, .xml or .lua. Plugins that the file brings along (a <plugin file="x.lua"/>
-// element, or definitions inside a Lua model) are added to `registry`. Tags and attributes are
-// checked against the registry (see check.h).
+// Reads a model by its ending, .xml or .lua. Included files take the place of their <include>.
+// Plugins that the file brings along (a <plugin file="x.lua"/> element, or definitions inside a Lua
+// model) are added to `registry`. The whole is checked with check_grammar. The place of an
+// attribute is that of its value's first character; columns count characters.
+//
+// A Lua model that defines plugins gets a `plugin` element naming the file itself, so that models
+// made from it (converted, calibrated), which are data only, still find its plugins.
 Model read_model(const std::string& file, Registry& registry);
 
 // The same from text; `name` stands for the file in messages and for relative paths.
@@ -22,7 +26,11 @@ Model read_lua(const std::string& text, const std::string& name, Registry& regis
 std::string write_xml(const Model& model);
 std::string write_lua(const Model& model);
 
-// Loads a plugin file the user named: .so or .lua.
+// Rewrites the relative paths of `plugin` elements, which hold beside the file `from`, so that they
+// hold beside the file `to`. To be called before a model is written elsewhere.
+void move_plugin_paths(Model& model, const std::string& from, const std::string& to);
+
+// Loads a plugin file the user named: .so or .lua. A file that is loaded already is left as it is.
 void load_plugin(const std::string& file, Registry& registry);
 
 // Checks the tree against the grammar: known tags, known attributes with the nearest valid name,
