@@ -95,8 +95,12 @@ void append(std::vector<AttributeRule>& to, std::vector<AttributeRule> more) {
 }
 
 ElementRule rule_of(const Declaration& d) {
-  ElementRule rule{d.tag, d.summary, Where::inside_talus, {{"name", "its name", required}}};
+  ElementRule rule{d.tag, d.summary};
   if (d.family == Family::joint) rule.where = Where::inside_chain;
+  const char* name = d.family == Family::joint    ? "its name and that of the frame behind it"
+                     : d.family == Family::sensor ? "how expressions call its calibrated value"
+                                                  : "how its results and residuals are called";
+  rule.attributes = {{"name", name, required}};
   for (const Input& input : d.inputs) append(rule.attributes, {rule_of(input)});
   for (const Choice& choice : d.choices)
     append(rule.attributes,
@@ -161,6 +165,18 @@ std::vector<ElementRule> all_rules(const Registry& registry) {
     if (plugin->declaration.family != Family::residual)
       result.push_back(rule_of(plugin->declaration));
   return result;
+}
+
+bool is_structural(std::string_view tag) {
+  const auto& all = structural();
+  return std::any_of(all.begin(), all.end(), [&](const ElementRule& r) { return r.tag == tag; });
+}
+
+bool is_reserved(std::string_view input, Family family) {
+  if (family != Family::residual) return rule_of(Declaration{.family = family}).find(input);
+  for (const ElementRule& rule : structural())
+    if (rule.tag == "calibrate") return rule.find(input);
+  return false;
 }
 
 std::vector<std::string> split_list(std::string_view text) {

@@ -38,6 +38,11 @@ std::optional<ElementRule> rule_of(std::string_view tag, const Registry& registr
 // Every rule: the structural elements, then the plugins by family.
 std::vector<ElementRule> all_rules(const Registry& registry);
 
+// What a plugin may not use: the tag of a structural element, or as an input's name an attribute
+// that all elements of its family (for residuals: `calibrate`) have.
+bool is_structural(std::string_view tag);
+bool is_reserved(std::string_view input, Family family);
+
 // Lists of names such as residual="position, rotation_vector".
 std::vector<std::string> split_list(std::string_view text);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "framework/dsl/grammar.h"
 #include "framework/dsl/lua_sandbox.h"
 #include "framework/registry/registry.h"
 
@@ -29,6 +30,7 @@ class DefinitionReader {
   }
 
   Declaration read() {
+    if (is_structural(d_.tag)) fail("its tag is that of a part of every model", "another tag");
     std::map<lua_Integer, std::string> inputs;  // by order of creation
     for (lua_pushnil(L_); lua_next(L_, table_); lua_pop(L_, 1)) {
       if (lua_type(L_, -2) != LUA_TSTRING)
@@ -148,6 +150,9 @@ class DefinitionReader {
 
   // The input on top of the stack.
   void add(const std::string& name, const InputSpec& input) {
+    if (is_reserved(name, d_.family))
+      fail(fmt::format("'{}' is an attribute of every {}", name, to_string(d_.family)),
+           "another name for this input");
     lua_getiuservalue(L_, -1, 1);
     std::string meaning = text_at(L_, -1);
     lua_pop(L_, 1);
@@ -184,7 +189,8 @@ void add_plugin(lua_State* L, Declaration declaration, int definition) {
   const std::string tag = declaration.tag;
   const bool twice = std::find(defined.begin(), defined.end(), tag) != defined.end();
   defined.push_back(tag);
-  if (const Plugin* known = registry->find(tag); known && known->origin == sandbox.file() && !twice)
+  if (const Plugin* known = registry->find(tag, declaration.family);
+      known && known->origin == sandbox.file() && !twice)
     return;  // the file is read again
   Plugin plugin{.declaration = std::move(declaration)};
   plugin.origin = sandbox.file();

@@ -73,8 +73,6 @@ class Reader {
     std::size_t i = 0;
     for (auto* a = xml.FirstAttribute(); a; a = a->Next(), ++i) {
       const Place place = i < places.size() ? places[i] : Place{file_, a->GetLineNum(), 0};
-      if (e.find(a->Name()))
-        throw InputError(place, fmt::format("<{}> has the attribute '{}' twice", e.tag, a->Name()));
       e.attributes.push_back({a->Name(), a->Value(), place});
     }
     for (auto* node = xml.FirstChild(); node; node = node->NextSibling())
@@ -89,7 +87,8 @@ class Reader {
     const Place place{file_, node.GetLineNum(), 0};
     if (node.ToText()) {
       std::string text = node.Value();
-      text = text.substr(0, text.find_last_not_of(" \t\r\n") + 1);
+      text.erase(0, text.find_first_not_of(" \t\r\n"));
+      text.erase(text.find_last_not_of(" \t\r\n") + 1);
       if (characters(text) > 30) text = text.substr(0, text.find_last_of(' ', 30)) + " ...";
       throw InputError(place, fmt::format("text '{}' stands inside {}", text, where),
                        "attributes and elements only; remarks go into <!-- comments -->");

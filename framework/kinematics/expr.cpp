@@ -9,8 +9,6 @@
 #include <set>
 
 namespace talus {
-namespace {
-
 double apply(Op op, double a, double b, double c) {
   switch (op) {
     case Op::constant:
@@ -37,6 +35,8 @@ double apply(Op op, double a, double b, double c) {
   }
   return 0;
 }
+
+namespace {
 
 bool is(const Expr& e, double value) { return e.is_constant() && e.constant() == value; }
 

@@ -34,6 +34,9 @@ struct Node {
   friend bool operator==(const Node&, const Node&) = default;
 };
 
+// The operation on plain numbers (arguments it does not take are ignored).
+double apply(Op op, double a, double b, double c);
+
 // Grows only; arguments stand before the nodes that use them.
 class Tape {
  public:

@@ -1,0 +1,192 @@
+#include "framework/calibration/fit.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <random>
+
+namespace talus {
+namespace {
+
+// Upper tail of chi-square by Wilson and Hilferty's cube root (good to a few per cent of p).
+double chi2_tail(double chi2, double dof) {
+  if (!(dof > 0)) return 1;
+  const double v = 2 / (9 * dof);
+  return 0.5 * std::erfc((std::cbrt(chi2 / dof) - (1 - v)) / std::sqrt(2 * v));
+}
+
+double rms(const Eigen::MatrixXd& whitened, const Eigen::MatrixXd& raw) {
+  double sum = 0;
+  std::size_t count = 0;
+  for (Eigen::Index k = 0; k < raw.rows(); ++k)
+    for (Eigen::Index r = 0; r < raw.cols(); ++r)
+      if (!std::isnan(raw(k, r))) sum += whitened(k, r) * whitened(k, r), ++count;
+  return count ? std::sqrt(sum / static_cast<double>(count)) : std::numeric_limits<double>::quiet_NaN();
+}
+
+// Least squares first, then the settings' loss or objective; the whitening is brought up to date in between.
+SolveReport solve_in_stages(Problem& problem, std::vector<double>& x, const FitOptions& options, bool robust) {
+  SolveOptions solver;
+  solver.max_iterations = options.max_iterations;
+  problem.set_robust(false);
+  SolveReport total = solve(problem, x, solver);
+  auto again = [&] {
+    const SolveReport next = solve(problem, x, solver);
+    total.iterations += next.iterations;
+    total.seconds += next.seconds;
+    total.final_cost = next.final_cost;
+    total.converged = next.converged;
+    total.stopped = next.stopped;
+  };
+  if (problem.whitening_depends_on_parameters()) {
+    problem.set_weights(x);
+    again();
+  }
+  if (robust) {
+    problem.set_robust(true);
+    again();
+  }
+  return total;
+}
+
+// Is the normal matrix so ill-conditioned that squaring loses what the data say, without being plainly singular?
+bool wants_qr(Problem& problem, std::span<const double> x) {
+  const Eigen::MatrixXd F = problem.normal(x).factor;
+  const auto n = F.cols() - 1;
+  Eigen::MatrixXd J = F.leftCols(n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    if (const double norm = J.col(i).norm(); norm > 0) J.col(i) /= norm;
+  const Eigen::VectorXd s = Eigen::JacobiSVD<Eigen::MatrixXd>(J).singularValues();
+  for (Eigen::Index i = 0; i < n; ++i)
+    if (s[i] < 1e-6 * s[0] && s[i] > 1e-12 * s[0]) return true;
+  return false;
+}
+
+}  // namespace
+
+Fit calibrate(const Program& program, const Recordings& recordings, const Split& split, const FitOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  Fit fit;
+  const Groups groups(program, recordings);
+  ProblemOptions problem_options;
+  problem_options.threads = options.threads;
+  Problem problem(program, recordings, split.fit, groups, problem_options);
+  const std::vector<double> fsr = full_scale_ranges(program, recordings);
+  if (program.settings.full_scale) problem.divide_rows_by(fsr);
+  if (problem.data().used() == 0) throw InputError({recordings.file, 0, 0}, "no row has all the values that a residual needs");
+  const bool robust = program.settings.objective == Objective::as_published || program.settings.loss != LossKind::none;
+
+  std::vector<double> x = problem.start();
+  problem.set_qr(options.solver == FitOptions::Solver::qr);
+  SolveReport report = solve_in_stages(problem, x, options, robust);
+  if (options.solver == FitOptions::Solver::automatic && wants_qr(problem, x)) {
+    problem.set_qr(true);
+    const int before = report.iterations;
+    report = solve_in_stages(problem, x, options, robust);
+    report.iterations += before;
+  }
+
+  // Other starts: a better minimum is taken, another one as good is reported.
+  std::mt19937_64 random(options.seed);
+  std::normal_distribution<double> normal;
+  for (int k = 0; k < options.restarts; ++k) {
+    std::vector<double> other = problem.start();
+    for (std::size_t i = 0; i < other.size(); ++i) {
+      const Quantity& q = problem.quantity(static_cast<int>(i));
+      const double size = typical_size(q, problem.dimension(static_cast<int>(i)));
+      other[i] += normal(random) * (q.tolerance ? size : 0.1 * size);
+    }
+    const SolveReport again = solve_in_stages(problem, other, options, robust);
+    const double scale = std::max(1.0, report.final_cost / std::max<double>(1, static_cast<double>(problem.data().used())));
+    if (again.final_cost < report.final_cost - 1e-6 * report.final_cost - 1e-9) {
+      if (again.final_cost < report.final_cost - 0.5 * scale)
+        fit.warnings.push_back(fmt::format("A scattered start reached a better minimum (cost {:.6g} instead of {:.6g}); the nominal "
+                                           "values lead to a local one. The better one was taken.", again.final_cost, report.final_cost));
+      report = again;
+      x = other;
+    } else if (again.converged && again.final_cost < report.final_cost + 2 * scale) {
+      const Eigen::MatrixXd J = problem.information(x).factor.leftCols(problem.size());
+      Eigen::VectorXd step(problem.size());
+      for (int i = 0; i < problem.size(); ++i) step[i] = other[i] - x[i];
+      if ((J * step).squaredNorm() > 100 * scale)
+        fit.warnings.push_back("Another set of parameters, far away, fits these recordings as well: a twin solution. "
+                               "Tighter tolerances or more varied poses would decide.");
+    }
+  }
+
+  if (problem.whitening_depends_on_parameters()) problem.set_weights(x);
+  fit.x = x;
+  fit.cost = report.final_cost;
+  fit.iterations = report.iterations;
+  fit.converged = report.converged;
+  fit.stopped = report.stopped;
+  fit.solver = problem.qr() ? "qr" : "gram";
+  fit.poses_fit = split.fit.size();
+  fit.poses_check = split.check.size();
+  fit.rows_fit = problem.data().used();
+  fit.noise_known = problem.noise_known();
+  fit.residuals_fit = problem.residuals(x);
+  fit.measures_fit = measures(program, fit.residuals_fit.raw, fsr);
+  fit.fit_rms = rms(fit.residuals_fit.whitened, fit.residuals_fit.raw);
+  fit.chi2 = fit.residuals_fit.whitened.squaredNorm();
+  fit.rows_missing = problem.data().missing();
+
+  // Degrees of freedom: rows, less the unknowns of each pose, less what the parameters took.
+  fit.seen = identify(problem, x, 1, program.units);
+  const double latent = static_cast<double>(problem.latents()) * static_cast<double>(split.fit.size());
+  fit.dof = std::max(1.0, static_cast<double>(fit.rows_fit) - latent - fit.seen.effective);
+  fit.noise_scale = std::sqrt(fit.chi2 / fit.dof);
+  fit.chi2_p = fit.noise_known ? chi2_tail(fit.chi2, fit.dof) : 1;
+  if (!fit.noise_known) {
+    fit.seen = identify(problem, x, fit.noise_scale, program.units);
+    fit.fit_rms /= fit.noise_scale;
+  }
+
+  // Held-out rows: parameters stand, only what belongs to those rows alone is found.
+  if (!split.check.empty()) {
+    ProblemOptions check_options = problem_options;
+    check_options.only_unknowns = true;
+    Problem check(program, recordings, split.check, groups, check_options);
+    if (program.settings.full_scale) check.divide_rows_by(fsr);
+    const auto p = program.parameters.size();
+    check.hold({x.begin(), x.begin() + static_cast<long>(p)});
+    std::vector<double> y(x.begin() + static_cast<long>(p), x.end());
+    SolveOptions held;
+    for (int i = 0, u = 0; u < static_cast<int>(groups.shared.size()); ++u)
+      for (int k = 0; k < groups.shared[u].instances; ++k, ++i) {
+        const auto& of = groups.shared[u].instance;
+        if (std::any_of(split.fit.begin(), split.fit.end(), [&](std::size_t row) { return of[row] == k; })) held.held.push_back(i);
+      }
+    check.set_robust(false);
+    check.set_weights(y);
+    if (!y.empty()) solve(check, y, held);
+    fit.residuals_check = check.residuals(y);
+    fit.measures_check = measures(program, fit.residuals_check.raw, fsr);
+    fit.heldout_rms = rms(fit.residuals_check.whitened, fit.residuals_check.raw) / (fit.noise_known ? 1 : fit.noise_scale);
+    for (std::size_t i = 0; i < y.size(); ++i) x[p + i] = y[i];
+    fit.x = x;
+  } else {
+    fit.heldout_rms = std::numeric_limits<double>::quiet_NaN();
+  }
+
+  const std::vector<std::string> names = problem.names();
+  for (int i = 0; i < problem.size(); ++i) {
+    const Quantity& q = problem.quantity(i);
+    FittedValue v{names[i], problem.dimension(i), q.value, x[i], fit.seen.std[i], q.tolerance, fit.seen.identifiable[i]};
+    v.at_bound = q.bounds && (x[i] <= q.bounds->first || x[i] >= q.bounds->second);
+    if (v.at_bound) fit.warnings.push_back(fmt::format("{} ended at its bound.", v.name));
+    (i < static_cast<int>(program.parameters.size()) ? fit.parameters : fit.shared).push_back(std::move(v));
+  }
+  if (!fit.converged) fit.warnings.push_back("The solver did not converge: " + fit.stopped + ".");
+  if (fit.noise_known && fit.chi2_p < 1e-3)
+    fit.warnings.push_back(fmt::format("What is left is {:.3g} times the stated noise (chi-square {:.4g} on {:.0f} degrees of freedom): the model "
+                                       "does not hold to that accuracy, and the standard uncertainties, which assume that it does, are too small.",
+                                       fit.noise_scale, fit.chi2, fit.dof));
+  fit.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return fit;
+}
+
+}  // namespace talus

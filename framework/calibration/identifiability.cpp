@@ -1,0 +1,120 @@
+#include "framework/calibration/identifiability.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace talus {
+
+double typical_size(const Quantity& quantity, Dimension dimension) {
+  if (quantity.tolerance) return *quantity.tolerance;
+  if (dimension == length) return 10;
+  if (dimension == angle) return 10 * deg;
+  return std::max(0.1, 0.1 * std::abs(quantity.value));
+}
+
+namespace {
+
+// A sparse basis of the columns' span: reduced row echelon form with complete pivoting, so that each direction has its own
+// leading parameter and as few others as possible.
+Eigen::MatrixXd sparse_basis(Eigen::MatrixXd V) {
+  const auto k = V.cols();
+  std::vector<Eigen::Index> pivots;
+  for (Eigen::Index c = 0; c < k; ++c) {
+    Eigen::Index row = 0, column = 0;
+    Eigen::MatrixXd rest = V.rightCols(k - c).cwiseAbs();
+    for (auto p : pivots) rest.row(p).setZero();
+    rest.maxCoeff(&row, &column);
+    V.col(c).swap(V.col(c + column));
+    V.col(c) /= V(row, c);
+    for (Eigen::Index other = 0; other < k; ++other)
+      if (other != c) V.col(other) -= V(row, other) * V.col(c);
+    pivots.push_back(row);
+  }
+  return V;
+}
+
+std::string sentence(const Eigen::VectorXd& scaled, const Eigen::VectorXd& size, const std::vector<std::string>& names,
+                     const Problem& problem, const UnitSystem& units) {
+  std::vector<int> order;
+  for (int i = 0; i < scaled.size(); ++i)
+    if (std::abs(scaled[i]) > 0.02 * scaled.cwiseAbs().maxCoeff()) order.push_back(i);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return std::abs(scaled[a]) > std::abs(scaled[b]); });
+  auto unit = [&](int i) { return units.of(problem.dimension(i)); };
+  const int lead = order[0];
+  const auto& tolerance = problem.quantity(lead).tolerance;
+  if (order.size() == 1)
+    return tolerance ? fmt::format("{} is not seen by these recordings; it keeps its tolerance of {:.3g} {}", names[lead],
+                                   *tolerance / unit(lead).factor, unit(lead).text)
+                     : fmt::format("{} is not seen by these recordings", names[lead]);
+  // Moves in units, for a unit move of the leading parameter.
+  const double unit_move = unit(lead).factor / size[lead] / scaled[lead];
+  std::string others;
+  const std::size_t shown = std::min<std::size_t>(order.size(), 7);
+  for (std::size_t k = 1; k < shown; ++k) {
+    const int i = order[k];
+    others += fmt::format("{}{} by {:+.3g} {}", k == 1 ? "" : k + 1 == shown && shown == order.size() ? " and " : ", ", names[i],
+                          scaled[i] * size[i] * unit_move / unit(i).factor, unit(i).text);
+  }
+  if (shown < order.size()) others += fmt::format(" and {} more by smaller amounts", order.size() - shown);
+  return fmt::format("only a combination with {} is seen: moving it by +1 {} together with {} changes no residual noticeably",
+                     names[lead], unit(lead).text, others);
+}
+
+}  // namespace
+
+Identifiability identify(Problem& problem, std::span<const double> x, double noise_scale, const UnitSystem& units) {
+  Identifiability result;
+  const int n = problem.size();
+  result.std.setZero(n);
+  result.identifiable.assign(n, true);
+  if (n == 0) return result;
+  Eigen::VectorXd size(n);
+  for (int i = 0; i < n; ++i) size[i] = typical_size(problem.quantity(i), problem.dimension(i));
+  const Eigen::MatrixXd J = problem.information(x).factor.leftCols(n).topRows(n) * size.asDiagonal() / noise_scale;
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeFullV);
+  result.singular = svd.singularValues();
+  for (int i = 0; i < n; ++i) result.seen += result.singular[i] >= 1;
+  const Eigen::MatrixXd unseen = svd.matrixV().rightCols(n - result.seen);
+
+  // Uncertainty with priors, in scaled coordinates.
+  Eigen::MatrixXd H = J.transpose() * J;
+  for (int i = 0; i < n; ++i)
+    if (problem.quantity(i).tolerance) H(i, i) += 1;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(H);
+  const double floor = 1e-12 * std::max(1.0, eigen.eigenvalues().maxCoeff());
+  for (int k = 0; k < n; ++k) {
+    const double value = eigen.eigenvalues()[k];
+    for (int i = 0; i < n; ++i) {
+      const double part = eigen.eigenvectors()(i, k) * eigen.eigenvectors()(i, k);
+      if (value > floor) result.std[i] += part / value;
+      else if (part > 1e-6) result.std[i] = std::numeric_limits<double>::infinity();
+      result.effective += value > floor ? part * (problem.quantity(i).tolerance ? 1 - 1 / value : 1) : 0;
+    }
+  }
+  result.std = result.std.cwiseSqrt().cwiseProduct(size);
+  for (int i = 0; i < n; ++i) result.identifiable[i] = unseen.row(i).squaredNorm() < 0.01;
+
+  if (unseen.cols() > 0) {
+    const Eigen::MatrixXd basis = sparse_basis(unseen);
+    const std::vector<std::string> names = problem.names();
+    for (Eigen::Index c = 0; c < basis.cols(); ++c) result.unseen.push_back(sentence(basis.col(c), size, names, problem, units));
+    result.directions = size.asDiagonal() * basis;
+  }
+  if (result.seen > 0) {
+    const Eigen::VectorXd s = result.singular.head(result.seen);
+    const double m = std::sqrt(static_cast<double>(std::max<std::size_t>(1, problem.data().used())));
+    result.o1 = std::exp(s.array().log().mean()) / m;
+    result.o2 = s[result.seen - 1] / s[0];
+    result.o3 = s[result.seen - 1];
+    result.o4 = s[result.seen - 1] * s[result.seen - 1] / s[0];
+    result.o5 = 1 / s.array().inverse().sum();
+  }
+  return result;
+}
+
+}  // namespace talus

@@ -1,0 +1,83 @@
+// A calibration problem: a program and the recorded rows to be explained, as a function of the free
+// parameters x (the program's parameters, then the instances of the group unknowns).
+//
+// Per pose k the rows r_k are whitened by W_k (stated sigmas, or the full covariance with the readings' noise
+// carried through the chain, or the papers' weights), unknowns of the pose are solved for and projected out
+// (variable projection), and a loss rho acts on s_k = |W_k r_k|^2. All three are one small matrix A_k
+// applied to the rows before the columns are formed, so they cost next to nothing:
+//     cost(x) = 1/2 sum_k rho(s_k) + 1/2 sum_i ((x_i - nominal_i) / tolerance_i)^2.
+// What comes back is the normal form: H = J^T J, g = J^T r, cost; as a factor (see Normal).
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "framework/calibration/dataset.h"
+
+namespace talus {
+
+struct ProblemOptions {
+  int threads = 1;
+  bool propagate = true;   // carry the readings' noise into each pose's covariance
+  bool priors = true;      // tolerances act as Gaussian priors
+  bool robust = true;      // the settings' loss and objective; otherwise plain least squares
+  bool only_unknowns = false;  // parameters are held; only group unknowns (and latent ones) are free
+};
+
+// J and r reduced to as many rows as columns: factor^T factor = [J r]^T [J r] with columns J, then r; the last
+// diagonal entry is such that |r|^2 is twice the cost.
+struct Normal {
+  Eigen::MatrixXd factor;  // (n+1) x (n+1)
+  double cost = 0;
+};
+
+class Problem {
+ public:
+  Problem(const Program& program, const Recordings& recordings, const std::vector<std::size_t>& rows,
+          const Groups& groups, const ProblemOptions& options);
+  ~Problem();
+  Problem(Problem&&) noexcept;
+
+  int size() const;
+  const std::vector<double>& start() const;   // nominal values
+  std::vector<std::string> names() const;     // of x
+  // Of entry i of x: prior mean and standard deviation, bounds.
+  const Quantity& quantity(int i) const;
+  Dimension dimension(int i) const;
+
+  void set_robust(bool on);
+  void set_qr(bool on);    // accumulate by QR instead of Gram matrices
+  bool qr() const;
+  void hold(const std::vector<double>& parameters);  // their values where only unknowns are free
+  // Recomputes the whitening at x (it depends on the parameters through the readings' noise).
+  void set_weights(std::span<const double> x);
+  bool whitening_depends_on_parameters() const;
+  void divide_rows_by(const std::vector<double>& scale);  // full-scale ranges; before anything is solved
+
+  double cost(std::span<const double> x);
+  Normal normal(std::span<const double> x);
+  // The same without priors and robust loss: what the recordings alone say.
+  Normal information(std::span<const double> x);
+
+  // Rows at x, unweighted, [recorded row][residual row]; NaN where a value is missing. Whitened ones likewise.
+  struct Residuals {
+    std::vector<std::size_t> poses;  // recorded rows
+    Eigen::MatrixXd raw, whitened;   // poses x rows
+    Eigen::MatrixXd latent;          // poses x latent unknowns
+  };
+  Residuals residuals(std::span<const double> x);
+
+  const Dataset& data() const;
+  const Groups& groups() const;
+  int rows() const;
+  int latents() const;
+  bool noise_known() const;  // every row has a stated standard deviation
+
+ private:
+  struct Inside;
+  std::unique_ptr<Inside> in_;
+};
+
+}  // namespace talus

@@ -1,0 +1,243 @@
+#include "framework/calibration/simulate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "framework/calibration/problem.h"
+#include "framework/kinematics/tape_values.h"
+#include "framework/model/quantity.h"
+
+namespace talus {
+namespace {
+
+using Pose = std::pair<Matrix3<double>, Vector3<double>>;
+
+// T_in_at of a chain at given slots.
+class ChainPose {
+ public:
+  ChainPose(const Program& program, const Chain& chain) : values_(*program.tape, nodes(program, chain)) {}
+  Pose operator()(std::span<const double> slots) {
+    const auto& v = values_(slots);
+    Pose pose;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) pose.first[i][j] = v[3 * i + j];
+      pose.second[i] = v[9 + i];
+    }
+    return pose;
+  }
+
+ private:
+  static std::vector<std::int32_t> nodes(const Program& program, const Chain& chain) {
+    std::vector<std::int32_t> result;
+    const Matrix3<Expr> R = chain.motions.rotation();
+    const Vector3<Expr> p = chain.motions.translation();
+    for (int i = 0; i < 9; ++i) result.push_back(R[i / 3][i % 3].node_on(*program.tape));
+    for (int i = 0; i < 3; ++i) result.push_back(p[i].node_on(*program.tape));
+    return result;
+  }
+  TapeValues values_;
+};
+
+std::array<double, 4> quaternion(const Matrix3<double>& R) {
+  std::array<double, 4> q{};  // w x y z; the largest component first for accuracy
+  const double t[4] = {R[0][0] + R[1][1] + R[2][2], R[0][0] - R[1][1] - R[2][2], R[1][1] - R[0][0] - R[2][2], R[2][2] - R[0][0] - R[1][1]};
+  const int k = static_cast<int>(std::max_element(t, t + 4) - t);
+  const double s = 2 * std::sqrt(1 + t[k]);
+  q[k] = s / 4;
+  const double skew[3] = {R[2][1] - R[1][2], R[0][2] - R[2][0], R[1][0] - R[0][1]};
+  if (k == 0) {
+    for (int i = 0; i < 3; ++i) q[1 + i] = skew[i] / s;
+  } else {
+    q[0] = skew[k - 1] / s;
+    for (int i = 0; i < 3; ++i)
+      if (i != k - 1) q[1 + i] = (R[k - 1][i] + R[i][k - 1]) / s;
+  }
+  if (q[0] < 0) for (double& v : q) v = -v;
+  return q;
+}
+
+// What the instrument shows of a feature at T_in_at; noise in the feature's own frame for rotations.
+std::vector<double> show(const Feature& f, Pose pose, const std::function<double()>& gauss) {
+  const double sl = f.sigma_length.value_or(0), sa = f.sigma_angle.value_or(0);
+  auto& [R, p] = pose;
+  auto turned = [&] {
+    Matrix3<double> out{};
+    const Rigid<double> noisy = Rigid<double>(R, {}) * rotate_by_vector<double>(sa * gauss(), sa * gauss(), sa * gauss());
+    out = noisy.rotation();
+    return out;
+  };
+  switch (f.kind) {
+    case Kind::frame: {
+      for (double& v : p) v += sl * gauss();
+      const auto q = quaternion(turned());
+      return {p[0], p[1], p[2], q[0], q[1], q[2], q[3]};
+    }
+    case Kind::point:
+      for (double& v : p) v += sl * gauss();
+      return {p[0], p[1], p[2]};
+    case Kind::direction: {
+      if (f.observed.angles) {
+        std::vector<double> angles;
+        for (int i = 0; i < 3; ++i) angles.push_back(std::acos(std::clamp(R[i][2], -1.0, 1.0)) + sa * gauss());
+        return angles;
+      }
+      const Matrix3<double> T = turned();
+      return {T[0][2], T[1][2], T[2][2]};
+    }
+    case Kind::scalar: return {std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) + sl * gauss()};
+    case Kind::nothing: return {};
+  }
+  return {};
+}
+
+}  // namespace
+
+Settings random_settings(const Program& program, int count, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  Settings settings;
+  for (int k = 0; k < count; ++k) {
+    auto& pose = settings.readings.emplace_back();
+    for (const Reading& r : program.readings) {
+      const auto [low, high] = r.range.value_or(r.dimension == angle ? std::pair(-60 * deg, 60 * deg) : std::pair(0.0, 0.0));
+      pose.push_back(std::uniform_real_distribution<double>(low, std::nextafter(high, 1e300))(random));
+    }
+  }
+  return settings;
+}
+
+Settings grid_settings(const Program& program, const std::string& grid) {
+  std::vector<std::vector<double>> axes(program.readings.size(), {0.0});
+  std::size_t start = 0;
+  while (start < grid.size()) {
+    const std::size_t end = std::min(grid.find(';', start), grid.size());
+    const std::string part = grid.substr(start, end - start);
+    start = end + 1;
+    const std::size_t equals = part.find('=');
+    std::string name = part.substr(0, equals);
+    std::erase(name, ' ');
+    if (name.empty() && equals == std::string::npos) continue;
+    std::vector<std::string> names;
+    for (const Reading& r : program.readings) names.push_back(r.sensor);
+    const auto it = std::find(names.begin(), names.end(), name);
+    if (it == names.end() || equals == std::string::npos)
+      throw InputError({"--grid", 0, 0}, fmt::format("'{}'", part), "sensor=first:last:step or sensor=a,b,c with one of: " + join(names), nearest(name, names));
+    const Reading& r = program.readings[it - names.begin()];
+    auto value = [&](const std::string& text) { return parse_quantity(text, r.dimension, program.units, {"--grid", 0, 0}).value; };
+    std::vector<std::string> words{""};
+    const std::string list = part.substr(equals + 1);
+    const bool range = list.find(':') != std::string::npos;
+    for (char c : list) {
+      if (c == (range ? ':' : ',')) words.emplace_back();
+      else words.back() += c;
+    }
+    auto& axis = axes[it - names.begin()];
+    axis.clear();
+    if (!range) {
+      for (const std::string& w : words) axis.push_back(value(w));
+    } else {
+      if (words.size() != 3) throw InputError({"--grid", 0, 0}, fmt::format("'{}'", list), "first:last:step");
+      const double first = value(words[0]), last = value(words[1]), step = value(words[2]);
+      if (!(step > 0) || last < first) throw InputError({"--grid", 0, 0}, fmt::format("'{}'", list), "first below last, and a step above zero");
+      const int n = static_cast<int>(std::floor((last - first) / step + 1e-9));
+      for (int i = 0; i <= n; ++i) axis.push_back(first + i * step);
+    }
+  }
+  Settings settings{{{}}};
+  for (const auto& axis : axes) {
+    std::vector<std::vector<double>> next;
+    for (const auto& pose : settings.readings)
+      for (double v : axis) {
+        next.push_back(pose);
+        next.back().push_back(v);
+      }
+    settings.readings = std::move(next);
+  }
+  return settings;
+}
+
+Settings settings_from(Program& program, const Recordings& recordings, int threads) {
+  const bool given = std::all_of(program.readings.begin(), program.readings.end(), [&](const Reading& r) { return recordings.find(r.column); });
+  Settings settings;
+  if (given) {
+    for (std::size_t k = 0; k < recordings.rows(); ++k) {
+      auto& pose = settings.readings.emplace_back();
+      for (const Reading& r : program.readings) pose.push_back(recordings.get(r.column, r.dimension).values[k]);
+    }
+    return settings;
+  }
+  // Inverse kinematics: the readings become unknowns of their pose, from several starts.
+  const std::vector<Reading> readings = program.readings;
+  const std::vector<Unknown> unknowns = program.unknowns;
+  program.readings.clear();
+  program.unknowns.clear();
+  for (const Reading& r : readings) program.unknowns.push_back({r.sensor, r.dimension, {}, {}, r.place, r.slot});
+  std::vector<std::size_t> rows(recordings.rows());
+  for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = k;
+  ProblemOptions options;
+  options.threads = threads;
+  options.only_unknowns = true;
+  settings.readings.assign(rows.size(), {});
+  std::vector<double> best(rows.size(), std::numeric_limits<double>::infinity());
+  std::mt19937_64 random(1);
+  std::vector<double> previous;
+  for (int attempt = 0; attempt < 40; ++attempt) {
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+      const auto [low, high] = readings[i].range.value_or(std::pair(-90 * deg, 90 * deg));
+      program.unknowns[i].start.value = attempt == 0 ? 0.5 * (low + high) : std::uniform_real_distribution<double>(low, high)(random);
+    }
+    Problem problem(program, recordings, rows, Groups(program, recordings), options);
+    const Problem::Residuals r = problem.residuals({});
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const double left = r.whitened.row(static_cast<Eigen::Index>(k)).norm();
+      bool inside = true;
+      std::vector<double> pose;
+      for (std::size_t i = 0; i < readings.size(); ++i) {
+        double v = r.latent(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i));
+        if (readings[i].dimension == angle) v = std::remainder(v, 360 * deg);
+        if (readings[i].range) inside &= v >= readings[i].range->first - 1e-9 && v <= readings[i].range->second + 1e-9;
+        pose.push_back(v);
+      }
+      const double score = left < 1e-3 ? (inside ? 0 : 1) : 2 + left;  // reached inside its ranges, reached, not reached
+      if (score < best[k]) best[k] = score, settings.readings[k] = pose;
+    }
+    if (std::all_of(best.begin(), best.end(), [](double s) { return s == 0; })) break;
+  }
+  program.readings = readings;
+  program.unknowns = unknowns;
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    if (best[k] >= 2) throw InputError({recordings.file, recordings.lines[k], 0}, "this pose cannot be reached by the linkage");
+  return settings;
+}
+
+Recordings simulate(const Program& program, const Settings& settings, const SimulateOptions& options) {
+  std::mt19937_64 random(options.seed);
+  std::normal_distribution<double> normal;
+  const std::function<double()> gauss = [&] { return options.noise > 0 ? options.noise * normal(random) : 0.0; };
+  Recordings out;
+  out.columns.push_back({"pose", *parse_unit("1"), {}, {}});
+  for (const Reading& r : program.readings) out.columns.push_back({r.column, program.units.of(r.dimension), {}, {}});
+  for (const Feature& f : program.features)
+    for (int c : f.columns) out.columns.push_back({program.columns[c].name, program.units.of(program.columns[c].dimension), {}, {}});
+  std::vector<ChainPose> chains;
+  for (const Feature& f : program.features) chains.emplace_back(program, program.chains[f.chain]);
+  std::vector<double> slots(program.slots, 0);
+  for (const Parameter& p : program.parameters) slots[p.slot] = p.nominal.value;
+  for (const Unknown& u : program.unknowns) slots[u.slot] = u.start.value;
+  for (std::size_t k = 0; k < settings.readings.size(); ++k) {
+    std::size_t column = 0;
+    out.lines.push_back(static_cast<int>(k) + 2);
+    out.columns[column++].values.push_back(static_cast<double>(k + 1));
+    for (std::size_t i = 0; i < program.readings.size(); ++i) {
+      slots[program.readings[i].slot] = settings.readings[k][i];
+      out.columns[column++].values.push_back(settings.readings[k][i] + program.readings[i].sigma * gauss());
+    }
+    for (std::size_t f = 0; f < program.features.size(); ++f)
+      for (double v : show(program.features[f], chains[f](slots), gauss)) out.columns[column++].values.push_back(v);
+  }
+  return out;
+}
+
+}  // namespace talus

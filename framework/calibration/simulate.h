@@ -1,0 +1,35 @@
+// Recordings from a model: where the readings are given, the measured features follow by forward kinematics;
+// where the measured features are given, the readings follow by inverse kinematics, which is the same problem
+// with the readings as unknowns of their pose. Noise comes from the sensors' and features' sigmas.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "framework/kinematics/program.h"
+#include "framework/recordings/recordings.h"
+
+namespace talus {
+
+struct SimulateOptions {
+  std::uint64_t seed = 1;
+  double noise = 1;  // times the stated sigmas
+  int threads = 1;
+};
+
+// Where to go: one value per reading (internal units).
+struct Settings {
+  std::vector<std::vector<double>> readings;  // [pose][reading of the program]
+};
+
+// `count` poses drawn uniformly from the sensors' ranges.
+Settings random_settings(const Program& program, int count, std::uint64_t seed);
+// "encoder1=-20:20:10; encoder2=0,30,60": every combination; sensors that are not named stay at zero.
+Settings grid_settings(const Program& program, const std::string& grid);
+// The readings of a table, or those that reach its measured features. InputError names a pose that cannot be reached.
+Settings settings_from(Program& program, const Recordings& recordings, int threads);
+
+Recordings simulate(const Program& program, const Settings& settings, const SimulateOptions& options);
+
+}  // namespace talus

@@ -1,0 +1,133 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <set>
+
+#include "framework/calibration/fit.h"
+#include "framework/cli/commands.h"
+#include "framework/report/report.h"
+
+namespace talus {
+namespace {
+
+struct Options {
+  Common common;
+  std::string model, recordings, sweep;
+  double check = 0.3;
+  std::vector<std::string> groups;
+  int folds = 0;
+  std::string solver = "auto";
+  FitOptions fit;
+};
+
+// Columns whose equal rows must stay on one side: what unknowns are shared by, sessions where there are enough, and what
+// the user names.
+SplitOptions split_options(const Program& program, const Recordings& recordings, const Options& o) {
+  SplitOptions split;
+  split.check_share = o.check;
+  split.seed = o.common.seed;
+  split.group_columns = o.groups;
+  for (const Unknown& u : program.unknowns)
+    if (!u.per.empty()) split.group_columns.push_back(u.per.front());
+  if (const RecordedColumn* session = recordings.find("session")) {
+    const std::set<double> sessions(session->values.begin(), session->values.end());
+    if (sessions.size() >= 4 && split.group_columns.empty()) split.group_columns.push_back("session");
+  }
+  for (const Reading& r : program.readings)
+    if (recordings.find(r.column)) split.reading_columns.push_back(r.column);
+  return split;
+}
+
+std::string fold_table(const Program& program, const Recordings& recordings, const Split& split, const Options& o) {
+  std::string out = fmt::format("\nHeld out by {} folds of whole groups\n", o.folds);
+  double sum = 0;
+  int n = 0;
+  for (const auto& held : folds(split.group, o.folds, o.common.seed)) {
+    Split fold;
+    fold.check = held;
+    std::set<std::size_t> out_of(held.begin(), held.end());
+    for (std::size_t k = 0; k < recordings.rows(); ++k)
+      if (!out_of.contains(k)) fold.fit.push_back(k);
+    const Fit fit = calibrate(program, recordings, fold, o.fit);
+    out += fmt::format("  fold {}: {} poses held out, residuals {:.4g} fitted, {:.4g} held out\n", ++n, held.size(), fit.fit_rms, fit.heldout_rms);
+    sum += fit.heldout_rms * fit.heldout_rms;
+  }
+  return out + fmt::format("  all folds: {:.4g} held out (root mean square)\n", std::sqrt(sum / std::max(1, n)));
+}
+
+// Weights w and 1 - w for the two residuals of <calibrate>; the best by the check rows' RMSE in % of full scale.
+std::string sweep(Model& model, const Registry& registry, const Recordings& recordings, const Options& o) {
+  double first = 0, last = 1, step = 0.1;
+  if (std::sscanf(o.sweep.c_str(), "%lf:%lf:%lf", &first, &last, &step) != 3 || !(step > 0) || last < first || first < 0 || last > 1)
+    throw InputError({"--sweep " + o.sweep, 0, 0}, "not a range of weights", "first:last:step within 0 to 1, such as 0:1:0.05");
+  std::string out = "\nSweep of the first residual's weight (RMSE of the check rows in % of full-scale range)\n";
+  double best = INFINITY, best_weight = first;
+  const int count = static_cast<int>(std::floor((last - first) / step + 1e-9));
+  for (int i = 0; i <= count; ++i) {
+    const double w = first + i * step;
+    for (Element& child : model.root.children)
+      if (child.tag == "calibrate") child.set("weight", fmt::format("{:.10g}, {:.10g}", w, 1 - w));
+    const Program program = compile(model, registry);
+    const Split split = split_rows(recordings, split_options(program, recordings, o));
+    const Fit fit = calibrate(program, recordings, split, o.fit);
+    double mean = 0;
+    for (const Measure& m : fit.measures_check) mean += m.percent_fsr / static_cast<double>(fit.measures_check.size());
+    out += fmt::format("  weight {:.3f}: mean {:.4f} %, {} iterations\n", w, mean, fit.iterations);
+    if (mean < best) best = mean, best_weight = w;
+  }
+  for (Element& child : model.root.children)
+    if (child.tag == "calibrate") child.set("weight", fmt::format("{:.10g}, {:.10g}", best_weight, 1 - best_weight));
+  return out + fmt::format("  best: {:.3f}\n", best_weight);
+}
+
+void run(Options& o) {
+  Registry registry = o.common.registry();
+  Model model = open_model(o.model, registry, o.common);
+  const Recordings recordings = read_recordings(o.recordings);
+  o.fit.threads = o.common.thread_count();
+  o.fit.seed = o.common.seed;
+  o.fit.solver = o.solver == "gram" ? FitOptions::Solver::gram : o.solver == "qr" ? FitOptions::Solver::qr : FitOptions::Solver::automatic;
+  std::string sweep_table;
+  if (!o.sweep.empty()) sweep_table = sweep(model, registry, recordings, o);
+  const Program program = compile(model, registry);
+  const Split split = split_rows(recordings, split_options(program, recordings, o));
+  const Fit fit = calibrate(program, recordings, split, o.fit);
+  const ReportContext context{"calibrate", o.model, o.recordings};
+  std::string text = text_report(program, fit, context) + sweep_table;
+  if (o.folds > 1) text += fold_table(program, recordings, split, o);
+
+  Model calibrated = calibrated_model(model, program, fit);
+  const std::filesystem::path folder = o.common.out.empty() ? "." : o.common.out;
+  std::filesystem::create_directories(folder);
+  const bool lua = o.model.ends_with(".lua");
+  const std::string file = (folder / (std::filesystem::path(o.model).stem().string() + (lua ? "-calibrated.lua" : "-calibrated.xml"))).string();
+  move_plugin_paths(calibrated, o.model, file);
+  write_file(file, lua ? write_lua(calibrated) : write_xml(calibrated));
+  if (!o.common.json.empty()) put(o.common.json, json_report(program, fit, context));
+  if (!o.common.quiet && o.common.json != "-") fmt::print("{}Calibrated model: {}\n", text, file);
+  for (const std::string& warning : o.common.quiet || o.common.json == "-" ? fit.warnings : std::vector<std::string>{})
+    fmt::print(stderr, "Warning: {}\n", warning);
+  exit_code() = fit.converged ? 0 : 1;
+}
+
+}  // namespace
+
+void add_calibrate(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("calibrate", "fit a model's free parameters to recordings; writes the calibrated model");
+  auto o = std::make_shared<Options>();
+  command->add_option("model", o->model, "model file (.xml or .lua)")->required();
+  command->add_option("recordings", o->recordings, "recordings (.csv or .trc)")->required();
+  command->add_option("--check", o->check, "share of the groups held out, where there is no column `use`")->capture_default_str()->check(CLI::Range(0.0, 0.9));
+  command->add_option("--group", o->groups, "columns whose equal rows stay on one side of the split")->delimiter(',');
+  command->add_option("--folds", o->folds, "also hold out every group once, in this many folds");
+  command->add_option("--sweep", o->sweep, "try weights w, 1-w of two residuals: first:last:step");
+  command->add_option("--restarts", o->fit.restarts, "further starts, scattered over the tolerances")->capture_default_str();
+  command->add_option("--iterations", o->fit.max_iterations, "iteration limit")->capture_default_str();
+  command->add_option("--solver", o->solver, "auto, gram (normal equations) or qr")->check(CLI::IsMember({"auto", "gram", "qr"}))->capture_default_str();
+  add_common(*command, o->common, true, true);
+  command->callback([o] { run(*o); });
+}
+
+}  // namespace talus

@@ -1,0 +1,43 @@
+// The commands of `talus`, one file each. Each adds its subcommand and what it does when chosen.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "framework/dsl/dsl.h"
+#include "framework/kinematics/program.h"
+
+namespace talus {
+
+struct Common {
+  std::vector<std::string> plugins, sets;
+  std::string out, json;
+  std::uint64_t seed = 1;
+  int threads = 0;
+  bool quiet = false;
+
+  Registry registry() const;  // built-in plugins and those named with --plugin
+  int thread_count() const;   // as asked, or one per core
+};
+
+// --plugin, --quiet; with `results` also --out, --json, --seed, --threads; with `model` also --set.
+void add_common(CLI::App& command, Common& common, bool model, bool results);
+
+// Reads a model and applies --set NAME=VALUE (element.attribute=..., or an attribute of <calibrate>).
+Model open_model(const std::string& file, Registry& registry, const Common& common);
+
+// Writes to a file beside which nothing is left half done, or to standard output for "-".
+void put(const std::string& file, const std::string& text);
+
+void add_check(CLI::App& app);
+void add_calibrate(CLI::App& app);
+void add_simulate(CLI::App& app);
+void add_plugins(CLI::App& app);
+void add_schema(CLI::App& app);
+void add_convert(CLI::App& app);
+
+// What the chosen command ended with: 0 done, 1 not converged or nothing usable.
+int& exit_code();
+
+}  // namespace talus

@@ -1,0 +1,81 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "framework/cli/commands.h"
+#include "framework/report/report.h"
+
+namespace talus {
+
+Registry Common::registry() const {
+  Registry registry = Registry::built_in();
+  for (const std::string& file : plugins) load_plugin(file, registry);
+  return registry;
+}
+
+int Common::thread_count() const {
+  return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+void add_common(CLI::App& command, Common& common, bool model, bool results) {
+  command.add_option("--plugin", common.plugins, "load a plugin: FILE.so or FILE.lua")->type_name("FILE");
+  command.add_flag("--quiet", common.quiet, "print results only to files");
+  if (model)
+    command.add_option("--set", common.sets, "change one attribute: joint2.a=\"300 ?\", residual=\"position\"")->type_name("NAME=VALUE");
+  if (!results) return;
+  command.add_option("--out", common.out, "folder for the files written")->type_name("DIR");
+  command.add_option("--json", common.json, "write the results as JSON (- for standard output)")->type_name("FILE");
+  command.add_option("--seed", common.seed, "seed of all random choices")->capture_default_str();
+  command.add_option("--threads", common.threads, "threads (default: one per core); results do not depend on it");
+}
+
+static Element* find_element(Element& element, const std::string& name) {
+  for (Element& child : element.children) {
+    if (child.name() == name) return &child;
+    if (Element* found = find_element(child, name)) return found;
+  }
+  return nullptr;
+}
+
+static void names_of(const Element& element, std::vector<std::string>& names) {
+  for (const Element& child : element.children) {
+    if (!child.name().empty()) names.push_back(child.name());
+    names_of(child, names);
+  }
+}
+
+Model open_model(const std::string& file, Registry& registry, const Common& common) {
+  Model model = read_model(file, registry);
+  for (const std::string& set : common.sets) {
+    const Place place{"--set " + set, 0, 0};
+    const std::size_t equals = set.find('=');
+    if (equals == std::string::npos) throw InputError(place, "no '=' found", "NAME=VALUE");
+    const std::string name = set.substr(0, equals), value = set.substr(equals + 1);
+    const std::size_t dot = name.find('.');
+    if (Element* named = dot == std::string::npos ? find_element(model.root, name) : nullptr) {
+      named->set("value", value);  // a <parameter>, <constant> or <unknown>
+    } else if (dot == std::string::npos || name.substr(0, dot) == "calibrate") {
+      bool any = false;
+      for (Element& child : model.root.children)
+        if (child.tag == "calibrate") child.set(name.substr(dot == std::string::npos ? 0 : dot + 1), value), any = true;
+      if (!any) model.root.children.push_back({"calibrate", {{name.substr(dot == std::string::npos ? 0 : dot + 1), value, place}}, {}, place});
+    } else {
+      Element* element = find_element(model.root, name.substr(0, dot));
+      std::vector<std::string> names;
+      names_of(model.root, names);
+      if (!element)
+        throw InputError(place, fmt::format("no element '{}'", name.substr(0, dot)), "one of: " + join(names), nearest(name.substr(0, dot), names));
+      element->set(name.substr(dot + 1), value);
+    }
+  }
+  if (!common.sets.empty()) check_grammar(model, registry);
+  return model;
+}
+
+void put(const std::string& file, const std::string& text) {
+  if (file == "-") fmt::print("{}", text);
+  else write_file(file, text);
+}
+
+}  // namespace talus

@@ -1,0 +1,34 @@
+// talus: linkages in model files, calibrated and explained.
+#include <fmt/format.h>
+
+#include "framework/cli/commands.h"
+
+int& talus::exit_code() {
+  static int code = 0;
+  return code;
+}
+
+int main(int argc, char** argv) {
+  CLI::App app{"Talus models, calibrates and explains linkages.", "talus"};
+  app.set_version_flag("--version", std::string("talus ") + TALUS_VERSION);
+  app.require_subcommand(1);
+  talus::add_check(app);
+  talus::add_calibrate(app);
+  talus::add_simulate(app);
+  talus::add_plugins(app);
+  talus::add_schema(app);
+  talus::add_convert(app);
+  try {
+    app.parse(argc, argv);
+    return talus::exit_code();
+  } catch (const CLI::ParseError& e) {
+    const int code = app.exit(e);
+    return code == 0 ? 0 : 2;
+  } catch (const talus::InputError& e) {
+    fmt::print(stderr, "{}\n", e.what());
+    return 2;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "talus: {}\n", e.what());
+    return 2;
+  }
+}

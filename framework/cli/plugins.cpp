@@ -1,0 +1,72 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "framework/cli/commands.h"
+#include "framework/model/quantity.h"
+
+namespace talus {
+namespace {
+
+std::string describe_plugin(const Plugin& plugin) {
+  const Declaration& d = plugin.declaration;
+  const UnitSystem units;
+  std::string out = fmt::format("{} ({}, {})\n  {}\n", d.tag, to_string(d.family), plugin.origin, d.summary);
+  if (d.family == Family::sensor) out += fmt::format("  reading in {}, value in {}\n", units.of(d.reading).text, units.of(d.value).text);
+  for (const Input& i : d.inputs) {
+    const std::string otherwise = i.coordinate ? "coordinate" : i.required ? "required" : shortest(i.otherwise / units.of(i.dimension).factor);
+    out += fmt::format("  {:<12} {:<10} {:<10} {}\n", i.name, units.of(i.dimension).text, otherwise, i.meaning);
+  }
+  for (const Choice& c : d.choices) out += fmt::format("  {:<12} {:<21} {}\n", c.name, join(c.words, "|"), c.meaning);
+  if (!d.columns.empty()) {
+    std::string list;
+    for (const Column& c : d.columns) list += fmt::format(" {}[{}]", c.suffix.empty() ? "(name)" : c.suffix, units.of(c.dimension).text);
+    out += fmt::format("  {}:{}\n", d.family == Family::residual ? "rows" : "columns", list);
+  }
+  if (d.family == Family::residual) {
+    std::vector<std::string> kinds;
+    for (Kind k : d.kinds) kinds.push_back(to_string(k));
+    out += "  of: " + join(kinds) + "\n";
+  }
+  return out;
+}
+
+void run(const std::string& name, const Common& common) {
+  const Registry registry = common.registry();
+  bool any = false;
+  Family last{};
+  for (const Plugin* plugin : registry.all()) {
+    const Declaration& d = plugin->declaration;
+    if (!name.empty()) {
+      if (d.tag == name) fmt::print("{}", describe_plugin(*plugin)), any = true;
+      continue;
+    }
+    if (!any || d.family != last) fmt::print("{}{}s\n", any ? "\n" : "", to_string(d.family));
+    any = true, last = d.family;
+    fmt::print("  {:<26} {}\n", d.tag, d.summary);
+  }
+  if (any) return;
+  std::vector<std::string> tags;
+  for (const Plugin* plugin : registry.all()) tags.push_back(plugin->declaration.tag);
+  throw InputError({}, fmt::format("no plugin '{}'", name), "one of: " + join(tags), nearest(name, tags));
+}
+
+}  // namespace
+
+void add_plugins(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("plugins", "what is registered, with inputs, units and meaning");
+  auto common = std::make_shared<Common>();
+  auto name = std::make_shared<std::string>();
+  command->add_option("name", *name, "a tag, to see its inputs");
+  add_common(*command, *common, false, false);
+  command->callback([=] { run(*name, *common); });
+}
+
+void add_schema(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("schema", "XML schema of everything registered, for editors and xmllint");
+  auto common = std::make_shared<Common>();
+  add_common(*command, *common, false, false);
+  command->callback([=] { fmt::print("{}", xml_schema(common->registry())); });
+}
+
+}  // namespace talus

@@ -1,0 +1,274 @@
+#include "framework/kinematics/plan.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace talus {
+
+// Makes a plan: decides which nodes are needed, what each depends on, and where its lanes are kept.
+class Plan::Builder {
+ public:
+  Builder(const Program& program, Plan& plan) : program_(program), tape_(*program.tape), plan_(plan) {
+    target_of_.resize(program.slots);
+    for (std::size_t set = 0; set < plan.sets_.size(); ++set) {
+      for (std::size_t i = 0; i < plan.sets_[set].size(); ++i)
+        target_of_[plan.sets_[set][i]] = {static_cast<int>(set), static_cast<int>(i)};
+      plan.touched_.emplace_back(plan.sets_[set].size(), 0);
+    }
+    slot_class_.assign(program.slots, kData);
+    for (const Parameter& p : program.parameters) slot_class_[p.slot] = kUniform;
+    for (int slot : plan.state_) slot_class_[slot] = kState;
+    for (const Chain& c : program.chains)
+      for (int i = 0; i < 12; ++i) slot_class_[c.first_slot + i] = kChain;
+  }
+
+  void build() {
+    for (const Row& row : program_.rows) want(row.value);
+    for (std::size_t c = 0; c < program_.chains.size(); ++c) wrenches(static_cast<int>(c));
+    for (std::size_t c = 0; c < program_.chains.size(); ++c)
+      if (used_[c]) steps(static_cast<int>(c));
+    place();
+  }
+
+ private:
+  enum Class : unsigned char { kConstant = 0, kUniform = 1, kData = 2, kState = 4, kChain = 8 };
+
+  unsigned char classify(std::int32_t i) {
+    if (i < 0) return kConstant;
+    if (static_cast<std::size_t>(i) >= class_.size()) class_.resize(tape_.size(), 0xFF);
+    if (class_[i] != 0xFF) return class_[i];
+    const Node& n = tape_[i];
+    unsigned char result = n.op == Op::constant ? 0u + kConstant
+                           : n.op == Op::leaf   ? slot_class_[n.a]
+                                                : static_cast<unsigned char>(classify(n.a) | classify(n.b) | classify(n.c));
+    return class_[i] = result;
+  }
+
+  // Remembers that the expression's lanes are needed; returns its node.
+  std::int32_t want(const Expr& e) {
+    const std::int32_t node = e.node_on(tape_);
+    wanted_.insert(node);
+    return node;
+  }
+
+  // The wrench of each row at the end of chain c, as expressions: f = dr/dp, and the moment about the base
+  // n = p x f + sum over columns R_j x dr/dR_j.
+  void wrenches(int c) {
+    const Chain& chain = program_.chains[c];
+    ChainPlan& out = plan_.chains_.emplace_back();
+    Matrix3<Expr> R;
+    Vector3<Expr> p;
+    auto entry = [&](int i) { return Expr::leaf(tape_, chain.first_slot + i); };
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) R[i][j] = entry(3 * i + j);
+      p[i] = entry(9 + i);
+    }
+    bool used = false;
+    for (std::size_t r = 0; r < program_.rows.size(); ++r) {
+      const auto g = gradient(program_.rows[r].value);
+      auto part = [&](int i) {
+        auto it = g.find(chain.first_slot + i);
+        return it == g.end() ? Expr() : it->second;
+      };
+      const Vector3<Expr> f{part(9), part(10), part(11)};
+      Vector3<Expr> n = cross<Expr>(p, f);
+      for (int j = 0; j < 3; ++j) {
+        const Vector3<Expr> t = cross<Expr>({R[0][j], R[1][j], R[2][j]}, {part(j), part(3 + j), part(6 + j)});
+        for (int i = 0; i < 3; ++i) n[i] += t[i];
+      }
+      auto zero = [](const Vector3<Expr>& v) {
+        return std::all_of(v.begin(), v.end(), [](const Expr& e) { return e.is_constant() && e.constant() == 0; });
+      };
+      const bool has_force = !zero(f), row_used = has_force || !zero(n);
+      out.row_used.push_back(row_used);
+      out.row_has_force.push_back(has_force);
+      used |= row_used;
+      std::array<std::int32_t, 6> nodes;
+      nodes.fill(-1);
+      if (row_used)
+        for (int i = 0; i < 3; ++i) {
+          if (has_force) nodes[i] = want(f[i]);
+          nodes[3 + i] = want(n[i]);
+        }
+      out.wrench_nodes.push_back(nodes);
+      if (c == 0)
+        for (const auto& [slot, d] : sorted(g))
+          if (target_of_[slot].set >= 0)
+            plan_.direct_.push_back({static_cast<int>(r), target_of_[slot], want(d), false});
+    }
+    used_.push_back(used);
+  }
+
+  bool first(Target to) { return !std::exchange(plan_.touched_[to.set][to.column], 1); }
+
+  void steps(int c) {
+    for (const Motion<Expr>& m : program_.chains[c].motions.motions()) {
+      Step step{m.kind, m.axis};
+      if (m.kind == Motion<Expr>::Kind::rotation) {
+        step.a = want(sin(m.amount)), step.b = want(cos(m.amount));
+      } else if (m.kind == Motion<Expr>::Kind::translation) {
+        step.a = want(m.amount);
+      } else {
+        for (int i = 0; i < 3; ++i) {
+          for (int j = 0; j < 3; ++j) step.matrix[3 * i + j] = want(m.rotation[i][j]);
+          step.matrix[9 + i] = want(m.translation[i]);
+        }
+        twists(m, step);
+      }
+      if (m.kind != Motion<Expr>::Kind::matrix)
+        for (const auto& [slot, d] : sorted(gradient(m.amount)))
+          if (const Target to = target_of_[slot]; to.set >= 0) {
+            const bool one = d.is_constant() && d.constant() == 1, minus = d.is_constant() && d.constant() == -1;
+            step.contributions.push_back({to, one ? -1 : minus ? -2 : want(d), first(to)});
+          }
+      if (!step.contributions.empty()) step.line = 0;  // placed later
+      plan_.chains_[c].steps.push_back(std::move(step));
+    }
+  }
+
+  static std::map<int, Expr> sorted(const std::unordered_map<std::int32_t, Expr>& g) { return {g.begin(), g.end()}; }
+
+  // Per slot s: [w] = R^T dR/ds, v = R^T dt/ds, in the frame behind the motion.
+  void twists(const Motion<Expr>& m, Step& step) {
+    std::map<int, std::array<Expr, 12>> d;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j)
+        for (const auto& [slot, e] : gradient(m.rotation[i][j])) d[slot][3 * i + j] = e;
+      for (const auto& [slot, e] : gradient(m.translation[i])) d[slot][9 + i] = e;
+    }
+    for (const auto& [slot, e] : d) {
+      if (target_of_[slot].set < 0) continue;
+      auto product = [&](int i, int j) {  // (R^T dR)_ij
+        Expr sum;
+        for (int k = 0; k < 3; ++k) sum += m.rotation[k][i] * e[3 * k + j];
+        return sum;
+      };
+      auto moved = [&](int i) {
+        Expr sum;
+        for (int k = 0; k < 3; ++k) sum += m.rotation[k][i] * e[9 + k];
+        return sum;
+      };
+      Twist t{{want(product(2, 1)), want(product(0, 2)), want(product(1, 0)), want(moved(0)), want(moved(1)), want(moved(2))},
+              0, target_of_[slot], first(target_of_[slot])};
+      step.twists.push_back(t);
+    }
+  }
+
+  // Gives every needed node its lanes and writes the instructions.
+  void place() {
+    std::set<std::int32_t> needed, uniform, data;
+    std::vector<std::int32_t> stack(wanted_.begin(), wanted_.end());
+    while (!stack.empty()) {
+      const std::int32_t i = stack.back();
+      stack.pop_back();
+      if (i < 0) continue;
+      const unsigned char k = classify(i);
+      auto& set = k <= kUniform ? uniform : k == kData ? data : needed;
+      if (!set.insert(i).second || k == kData) continue;
+      const Node& n = tape_[i];
+      if (n.op != Op::leaf && n.op != Op::constant) stack.insert(stack.end(), {n.a, n.b, n.c});
+    }
+    std::map<std::int32_t, std::int32_t> where;  // node -> offset
+    std::int32_t next = 0;
+    auto take = [&](int count) {
+      const std::int32_t offset = next;
+      next += count * lanes;
+      return offset;
+    };
+    plan_.data_nodes_.assign(data.begin(), data.end());
+    plan_.data_offset_ = take(static_cast<int>(data.size()));
+    for (std::size_t i = 0; i < plan_.data_nodes_.size(); ++i)
+      where[plan_.data_nodes_[i]] = plan_.data_offset_ + static_cast<int>(i) * lanes;
+    plan_.state_offset_ = take(static_cast<int>(plan_.state_.size()));
+    for (std::size_t c = 0; c < plan_.chains_.size(); ++c) {
+      ChainPlan& chain = plan_.chains_[c];
+      if (!used_[c]) continue;
+      chain.pose = take(12);
+      chain.wrench = take(6 * static_cast<int>(program_.rows.size()));
+      for (Step& s : chain.steps) {
+        if (s.line >= 0) s.line = take(6);
+        for (Twist& t : s.twists) t.line = take(6);
+      }
+    }
+    plan_.scratch_ = take(static_cast<int>(program_.rows.size()));
+    // Uniform nodes: scalars, and lanes for those that are used beside lane nodes.
+    std::map<std::int32_t, std::int32_t> scalar;
+    for (std::int32_t i : uniform) {
+      const Node& n = tape_[i];
+      const auto out = static_cast<std::int32_t>(scalar.size());
+      auto arg = [&](std::int32_t a) { return a >= 0 ? scalar[a] : -1; };
+      scalar[i] = out;
+      if (n.op == Op::leaf) plan_.uniform_.push_back({n.op, out, n.a, -1, -1, 0});
+      else plan_.uniform_.push_back({n.op, out, arg(n.a), arg(n.b), arg(n.c), n.value});
+    }
+    auto offset = [&](std::int32_t i) {
+      if (i < 0) return std::int32_t(0);
+      auto [it, fresh] = where.try_emplace(i, 0);
+      if (fresh) {
+        it->second = take(1);
+        if (uniform.contains(i)) plan_.broadcast_.emplace_back(scalar[i], it->second);
+      }
+      return it->second;
+    };
+    for (std::int32_t i : needed) {
+      const Node& n = tape_[i];
+      if (n.op == Op::leaf) {
+        if (slot_class_[n.a] == kState) {
+          const auto s = std::find(plan_.state_.begin(), plan_.state_.end(), n.a) - plan_.state_.begin();
+          where[i] = plan_.state_offset_ + static_cast<int>(s) * lanes;
+        } else {
+          for (std::size_t c = 0; c < program_.chains.size(); ++c)
+            if (int k = n.a - program_.chains[c].first_slot; k >= 0 && k < 12) where[i] = plan_.chains_[c].pose + k * lanes;
+        }
+        continue;
+      }
+      Instruction in{n.op, offset(i), offset(n.a), offset(n.b), offset(n.c)};
+      (classify(i) & kChain ? plan_.after_ : plan_.before_).push_back(in);
+    }
+    auto fix = [&](std::int32_t& node) { node = offset(node); };
+    for (const Row& row : program_.rows) plan_.row_nodes_.push_back(offset(row.value.node_on(tape_)));
+    for (std::size_t c = 0; c < plan_.chains_.size(); ++c) {
+      for (auto& nodes : plan_.chains_[c].wrench_nodes)
+        for (auto& node : nodes)
+          if (node >= 0) fix(node);
+      for (Step& s : plan_.chains_[c].steps) {
+        if (s.kind == Motion<Expr>::Kind::matrix) {
+          for (auto& node : s.matrix) fix(node);
+        } else {
+          fix(s.a);
+          if (s.kind == Motion<Expr>::Kind::rotation) fix(s.b);
+        }
+        for (Contribution& k : s.contributions)
+          if (k.factor >= 0) fix(k.factor);
+        for (Twist& t : s.twists)
+          for (auto& node : t.parts) fix(node);
+      }
+    }
+    for (Direct& d : plan_.direct_) {
+      fix(d.node);
+      d.first = first(d.to);
+    }
+    plan_.scalar_offset_ = next;
+    plan_.workspace_size_ = static_cast<std::size_t>(next) + scalar.size();
+    std::set<int> slots;
+    for (std::int32_t node : plan_.data_nodes_)
+      for (int slot : support(Expr(&tape_, node))) slots.insert(slot);
+    plan_.data_slots_.assign(slots.begin(), slots.end());
+  }
+
+  const Program& program_;
+  Tape& tape_;
+  Plan& plan_;
+  std::vector<Target> target_of_;
+  std::vector<unsigned char> slot_class_, class_;
+  std::set<std::int32_t> wanted_;
+  std::vector<char> used_;
+};
+
+Plan::Plan(const Program& program, std::vector<std::vector<int>> sets, std::vector<int> state)
+    : sets_(std::move(sets)), state_(std::move(state)) {
+  Builder(program, *this).build();
+}
+
+}  // namespace talus
