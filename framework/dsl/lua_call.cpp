@@ -155,14 +155,25 @@ int perform(lua_State* L) {
   return 0;
 }
 
+// A plugin's hold on its definition, which keeps the Lua state alive.
+struct Bound {
+  std::shared_ptr<LuaSandbox> sandbox;
+  Declaration declaration;
+  int definition;
+
+  void run(Call& call) const {
+    try {
+      sandbox->protect(&perform, &call);
+    } catch (const InputError& e) {
+      if (e.place().line > 0) throw;
+      throw moved(e, {sandbox->file(), call.line, 0});
+    }
+  }
+};
+
 }  // namespace
 
 void bind_lua(Plugin& plugin, LuaSandbox& sandbox, int definition) {
-  struct Bound {
-    std::shared_ptr<LuaSandbox> sandbox;
-    Declaration declaration;
-    int definition;
-  };
   auto bound =
       std::make_shared<Bound>(Bound{sandbox.shared_from_this(), plugin.declaration, definition});
   using In = Plugin::Inputs;
@@ -171,14 +182,14 @@ void bind_lua(Plugin& plugin, LuaSandbox& sandbox, int definition) {
     case Family::joint:
       plugin.transform = [bound](In in, Ch ch) {
         Call call{bound->declaration, bound->definition, in, ch};
-        bound->sandbox->protect(&perform, &call);
+        bound->run(call);
         return std::move(call.transform);
       };
       break;
     case Family::sensor:
       plugin.value = [bound](const Expr& reading, In in, Ch ch) {
         Call call{bound->declaration, bound->definition, in, ch, &reading};
-        bound->sandbox->protect(&perform, &call);
+        bound->run(call);
         return call.value;
       };
       break;
@@ -186,7 +197,7 @@ void bind_lua(Plugin& plugin, LuaSandbox& sandbox, int definition) {
       plugin.rows = [bound](const Rigid<Expr>& model, const Observed<Expr>& measured, In in,
                             Ch ch) {
         Call call{bound->declaration, bound->definition, in, ch, nullptr, &model, &measured};
-        bound->sandbox->protect(&perform, &call);
+        bound->run(call);
         return std::move(call.rows);
       };
   }

@@ -198,8 +198,7 @@ void add_plugin(lua_State* L, Declaration declaration, int definition) {
   try {
     registry->add(std::move(plugin));
   } catch (const InputError& e) {
-    const std::string what = e.what(), place = to_string(e.place()) + ": ";
-    throw InputError(sandbox.place(L), what.starts_with(place) ? what.substr(place.size()) : what);
+    throw moved(e, sandbox.place(L));
   }
 }
 

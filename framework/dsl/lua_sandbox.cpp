@@ -182,4 +182,9 @@ void refuse(lua_State* L, const char* found, const char* expected) {
   std::abort();  // guard has raised
 }
 
+InputError moved(const InputError& error, const Place& place) {
+  const std::string what = error.what(), before = to_string(error.place()) + ": ";
+  return InputError(place, what.starts_with(before) ? what.substr(before.size()) : what);
+}
+
 }  // namespace talus

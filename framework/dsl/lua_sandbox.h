@@ -103,6 +103,9 @@ void guard(lua_State* L, Body body) {
 // Ends a callback with an InputError at the line being run.
 [[noreturn]] void refuse(lua_State* L, const char* found, const char* expected = "");
 
+// The same complaint at another place.
+InputError moved(const InputError& error, const Place& place);
+
 // Is this a name of Lua's own that is not available in a model file?
 bool is_forbidden_in_lua(std::string_view global);
 

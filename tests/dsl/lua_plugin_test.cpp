@@ -210,7 +210,7 @@ TEST_CASE("complaints when a Lua plugin is called") {
   CHECK(heard_when_called("return rotate_z(p.qq)") ==
         "own.lua:4: 'qq' is not among the inputs\n  expected one of: d, q\n  did you mean 'q'?");
   CHECK(heard_when_called("return rotate_z(p.q) * p.d") ==
-        "own.lua:4: bad argument #2 to '?' (transform expected, got traced number)");
+        "own.lua:4: bad argument #2 to 'mul' (transform expected, got traced number)");
   CHECK(heard_when_called("return rotat_z(p.q)") ==
         "own.lua:4: nothing is called 'rotat_z' here\n"
         "  expected a variable set before, or the tag of a registered plugin\n  did you mean "
@@ -222,7 +222,7 @@ TEST_CASE("complaints when a Lua plugin is called") {
         "own.lua:4: a traced number is used after the call that made it\n"
         "  expected no numbers kept between calls");
   CHECK(heard_when_called("kept = kept or rotate_z(p.q); return kept") ==
-        "own.lua:4: a transform is used after the call that made it\n"
+        "own.lua:3: a transform is used after the call that made it\n"
         "  expected no transforms kept between calls");
   CHECK(heard_when_called("local T = rotate_z(p.q); while true do T = T * T end") ==
         "own.lua:4: a product of more than 1000 motions");

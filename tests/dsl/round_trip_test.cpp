@@ -111,7 +111,7 @@ TEST_CASE("Lua computes models") {
   <length name="P" at="E" in="B"/>
 </talus>
 )");
-  CHECK(to_string(model.root.children[0].children[1].find("a")->place) == "arm.lua:5:91");
+  CHECK(to_string(model.root.children[0].children[1].find("a")->place) == "arm.lua:5:85");
 }
 
 TEST_CASE("places are those of the values") {
