@@ -19,10 +19,10 @@ int Common::thread_count() const {
 }
 
 void add_common(CLI::App& command, Common& common, bool model, bool results) {
-  command.add_option("--plugin", common.plugins, "load a plugin: FILE.so or FILE.lua")->type_name("FILE");
+  command.add_option("--plugin", common.plugins, "load a plugin: FILE.so or FILE.lua")->type_name("FILE")->allow_extra_args(false);
   command.add_flag("--quiet", common.quiet, "print results only to files");
   if (model)
-    command.add_option("--set", common.sets, "change one attribute: joint2.a=\"300 ?\", residual=\"position\"")->type_name("NAME=VALUE");
+    command.add_option("--set", common.sets, "change one attribute: joint2.a=\"300 ?\", residual=\"position\"")->type_name("NAME=VALUE")->allow_extra_args(false);
   if (!results) return;
   command.add_option("--out", common.out, "folder for the files written")->type_name("DIR");
   command.add_option("--json", common.json, "write the results as JSON (- for standard output)")->type_name("FILE");
