@@ -59,7 +59,7 @@ TEST_CASE("a joint is one short file, known to no other") {
   CHECK(contents(source / "CMakeLists.txt").find("runout") == std::string::npos);
   for (const char* room : {"framework", "plugins", "cmake"})
     for (const auto& entry : fs::recursive_directory_iterator(source / room))
-      if (entry.is_regular_file()) {
+      if (entry.is_regular_file() && entry.path().extension() != ".md") {
         INFO(entry.path().string());
         CHECK(contents(entry.path()).find("runout") == std::string::npos);
       }
