@@ -82,6 +82,9 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
   std::vector<double> x = problem.start();
   problem.set_qr(options.solver == FitOptions::Solver::qr);
   SolveReport report = solve_in_stages(problem, x, options, robust);
+  if (!std::isfinite(report.final_cost))
+    throw InputError({recordings.file, 0, 0}, "the model cannot be evaluated on these recordings: " + report.stopped,
+                     "readings and nominal values for which every formula has a value (no triangle that does not close)");
   if (options.solver == FitOptions::Solver::automatic && wants_qr(problem, x)) {
     problem.set_qr(true);
     const int before = report.iterations;
@@ -93,11 +96,16 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
   std::mt19937_64 random(options.seed);
   std::normal_distribution<double> normal;
   for (int k = 0; k < options.restarts; ++k) {
-    std::vector<double> other = problem.start();
-    for (std::size_t i = 0; i < other.size(); ++i) {
+    std::vector<double> step(problem.start().size()), other = problem.start();
+    for (std::size_t i = 0; i < step.size(); ++i) {
       const Quantity& q = problem.quantity(static_cast<int>(i));
       const double size = typical_size(q, problem.dimension(static_cast<int>(i)));
-      other[i] += normal(random) * (q.tolerance ? size : 0.1 * size);
+      step[i] = normal(random) * (q.tolerance ? size : 0.1 * size);
+    }
+    // Nearer, where the model has no value (a triangle that does not close).
+    for (double scale = 1; scale > 0.01; scale /= 2) {
+      for (std::size_t i = 0; i < step.size(); ++i) other[i] = problem.start()[i] + scale * step[i];
+      if (std::isfinite(problem.cost(other))) break;
     }
     const SolveReport again = solve_in_stages(problem, other, options, robust);
     const double scale = std::max(1.0, report.final_cost / std::max<double>(1, static_cast<double>(problem.data().used())));

@@ -38,12 +38,15 @@ Eigen::MatrixXd sparse_basis(Eigen::MatrixXd V) {
   return V;
 }
 
-std::string sentence(const Eigen::VectorXd& scaled, const Eigen::VectorXd& size, const std::vector<std::string>& names,
-                     const Problem& problem, const UnitSystem& units) {
+// `move`: a direction, in internal units.
+std::string sentence(const Eigen::VectorXd& move, const std::vector<std::string>& names, const Problem& problem,
+                     const UnitSystem& units) {
+  Eigen::VectorXd scaled(move.size());
+  for (int i = 0; i < move.size(); ++i) scaled[i] = std::abs(move[i]) / typical_size(problem.quantity(i), problem.dimension(i));
   std::vector<int> order;
   for (int i = 0; i < scaled.size(); ++i)
-    if (std::abs(scaled[i]) > 0.02 * scaled.cwiseAbs().maxCoeff()) order.push_back(i);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return std::abs(scaled[a]) > std::abs(scaled[b]); });
+    if (scaled[i] > 0.02 * scaled.maxCoeff()) order.push_back(i);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return scaled[a] > scaled[b]; });
   auto unit = [&](int i) { return units.of(problem.dimension(i)); };
   const int lead = order[0];
   const auto& tolerance = problem.quantity(lead).tolerance;
@@ -51,14 +54,13 @@ std::string sentence(const Eigen::VectorXd& scaled, const Eigen::VectorXd& size,
     return tolerance ? fmt::format("{} is not seen by these recordings; it keeps its tolerance of {:.3g} {}", names[lead],
                                    *tolerance / unit(lead).factor, unit(lead).text)
                      : fmt::format("{} is not seen by these recordings", names[lead]);
-  // Moves in units, for a unit move of the leading parameter.
-  const double unit_move = unit(lead).factor / size[lead] / scaled[lead];
+  const double unit_move = unit(lead).factor / move[lead];  // for a unit move of the leading parameter
   std::string others;
   const std::size_t shown = std::min<std::size_t>(order.size(), 7);
   for (std::size_t k = 1; k < shown; ++k) {
     const int i = order[k];
-    others += fmt::format("{}{} by {:+.3g} {}", k == 1 ? "" : k + 1 == shown && shown == order.size() ? " and " : ", ", names[i],
-                          scaled[i] * size[i] * unit_move / unit(i).factor, unit(i).text);
+    const char* join = k == 1 ? "" : k + 1 == shown && shown == order.size() ? " and " : ", ";
+    others += fmt::format("{}{} by {:+.3g} {}", join, names[i], move[i] * unit_move / unit(i).factor, unit(i).text);
   }
   if (shown < order.size()) others += fmt::format(" and {} more by smaller amounts", order.size() - shown);
   return fmt::format("only a combination with {} is seen: moving it by +1 {} together with {} changes no residual noticeably",
@@ -69,14 +71,22 @@ std::string sentence(const Eigen::VectorXd& scaled, const Eigen::VectorXd& size,
 
 Identifiability identify(Problem& problem, std::span<const double> x, double noise_scale, const UnitSystem& units) {
   Identifiability result;
-  const int n = problem.size();
-  result.std.setZero(n);
-  result.identifiable.assign(n, true);
+  const int all = problem.size();
+  result.std.setConstant(all, std::numeric_limits<double>::infinity());
+  result.identifiable.assign(all, false);
+  std::vector<int> own;  // entries of x that these rows have to do with
+  for (int i = 0; i < all; ++i)
+    if (problem.occurs(i)) own.push_back(i);
+  const int n = static_cast<int>(own.size());
   if (n == 0) return result;
   Eigen::VectorXd size(n);
-  for (int i = 0; i < n; ++i) size[i] = typical_size(problem.quantity(i), problem.dimension(i));
-  const Eigen::MatrixXd J = problem.information(x).factor.leftCols(n).topRows(n) * size.asDiagonal() / noise_scale;
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeFullV);
+  Eigen::MatrixXd J(all, n);
+  const Eigen::MatrixXd factor = problem.information(x).factor;
+  for (int i = 0; i < n; ++i) {
+    size[i] = typical_size(problem.quantity(own[i]), problem.dimension(own[i]));
+    J.col(i) = factor.col(own[i]).head(all) * size[i] / noise_scale;
+  }
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeThinU | Eigen::ComputeFullV);
   result.singular = svd.singularValues();
   for (int i = 0; i < n; ++i) result.seen += result.singular[i] >= 1;
   const Eigen::MatrixXd unseen = svd.matrixV().rightCols(n - result.seen);
@@ -84,26 +94,27 @@ Identifiability identify(Problem& problem, std::span<const double> x, double noi
   // Uncertainty with priors, in scaled coordinates.
   Eigen::MatrixXd H = J.transpose() * J;
   for (int i = 0; i < n; ++i)
-    if (problem.quantity(i).tolerance) H(i, i) += 1;
+    if (problem.quantity(own[i]).tolerance) H(i, i) += 1;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(H);
   const double floor = 1e-12 * std::max(1.0, eigen.eigenvalues().maxCoeff());
-  for (int k = 0; k < n; ++k) {
-    const double value = eigen.eigenvalues()[k];
-    for (int i = 0; i < n; ++i) {
-      const double part = eigen.eigenvectors()(i, k) * eigen.eigenvectors()(i, k);
-      if (value > floor) result.std[i] += part / value;
-      else if (part > 1e-6) result.std[i] = std::numeric_limits<double>::infinity();
-      result.effective += value > floor ? part * (problem.quantity(i).tolerance ? 1 - 1 / value : 1) : 0;
+  for (int i = 0; i < n; ++i) {
+    double variance = 0;
+    for (int k = 0; k < n; ++k) {
+      const double value = eigen.eigenvalues()[k], part = eigen.eigenvectors()(i, k) * eigen.eigenvectors()(i, k);
+      if (value > floor) variance += part / value;
+      else if (part > 1e-6) variance = std::numeric_limits<double>::infinity();
+      if (value > floor) result.effective += part * (problem.quantity(own[i]).tolerance ? 1 - 1 / value : 1);
     }
+    result.std[own[i]] = std::sqrt(variance) * size[i];
+    result.identifiable[own[i]] = unseen.row(i).squaredNorm() < 0.01;
   }
-  result.std = result.std.cwiseSqrt().cwiseProduct(size);
-  for (int i = 0; i < n; ++i) result.identifiable[i] = unseen.row(i).squaredNorm() < 0.01;
 
   if (unseen.cols() > 0) {
     const Eigen::MatrixXd basis = sparse_basis(unseen);
+    result.directions.setZero(all, basis.cols());
+    for (int i = 0; i < n; ++i) result.directions.row(own[i]) = size[i] * basis.row(i);
     const std::vector<std::string> names = problem.names();
-    for (Eigen::Index c = 0; c < basis.cols(); ++c) result.unseen.push_back(sentence(basis.col(c), size, names, problem, units));
-    result.directions = size.asDiagonal() * basis;
+    for (Eigen::Index c = 0; c < basis.cols(); ++c) result.unseen.push_back(sentence(result.directions.col(c), names, problem, units));
   }
   if (result.seen > 0) {
     const Eigen::VectorXd s = result.singular.head(result.seen);

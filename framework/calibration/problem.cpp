@@ -69,6 +69,10 @@ Problem::Inside::Inside(const Program& p, const Recordings& recordings, const st
     }
   }
   for (const Quantity& q : quantities) start.push_back(q.value);
+  occurs.assign(quantities.size(), groups.shared.empty());
+  std::fill_n(occurs.begin(), parameters(), true);
+  for (int b = 0; b < data.batches(); ++b)
+    for (std::size_t u = 0; u < groups.shared.size(); ++u) occurs[offset[u] + data.batch(b).instance[u]] = true;
   for (int u : groups.latent) latent_prior.push_back(p.unknowns[u].start);
   const auto nl = latent_slots.size();
   latent.assign(std::max<std::size_t>(1, nl) * lanes * std::max(1, data.batches()), 0);
@@ -261,6 +265,7 @@ int Problem::size() const { return in_->size(); }
 const std::vector<double>& Problem::start() const { return in_->start; }
 const Quantity& Problem::quantity(int i) const { return in_->quantities[i]; }
 Dimension Problem::dimension(int i) const { return in_->dimensions[i]; }
+bool Problem::occurs(int i) const { return in_->occurs[i]; }
 void Problem::set_robust(bool on) { in_->robust = on; }
 void Problem::set_qr(bool on) { in_->qr = on && in_->groups.shared.empty(); }
 bool Problem::qr() const { return in_->qr; }

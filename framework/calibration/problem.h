@@ -46,6 +46,7 @@ class Problem {
   // Of entry i of x: prior mean and standard deviation, bounds.
   const Quantity& quantity(int i) const;
   Dimension dimension(int i) const;
+  bool occurs(int i) const;  // false for an instance of a group unknown that has no row here
 
   void set_robust(bool on);
   void set_qr(bool on);    // accumulate by QR instead of Gram matrices

@@ -28,6 +28,7 @@ struct Problem::Inside {
   Plan plan;
   Dataset data;
   std::vector<double> start;
+  std::vector<bool> occurs;  // of each entry of x
   std::vector<Quantity> quantities;
   std::vector<Dimension> dimensions;
   std::vector<int> offset;            // of each shared unknown's instances in x

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <cstdlib>
+#include <limits>
 
 namespace talus {
 namespace {
@@ -60,8 +61,13 @@ SolveReport solve(Problem& problem, std::vector<double>& x, const SolveOptions& 
     report.stopped = "nothing to solve for";
     return report;
   }
-  ceres::Problem::Options ceres_options;
-  ceres::Problem ceres_problem(ceres_options);
+  report.initial_cost = report.final_cost = problem.cost(x);
+  if (!std::isfinite(report.initial_cost)) {
+    report.final_cost = std::numeric_limits<double>::infinity();
+    report.stopped = "the model cannot be evaluated at the start";
+    return report;
+  }
+  ceres::Problem ceres_problem;
   ceres_problem.AddParameterBlock(x.data(), n);
   ceres_problem.AddResidualBlock(new WholeProblem(problem), nullptr, x.data());
   for (int i = 0; i < n; ++i)
@@ -78,13 +84,14 @@ SolveReport solve(Problem& problem, std::vector<double>& x, const SolveOptions& 
   solver.parameter_tolerance = options.parameter_tolerance;
   solver.gradient_tolerance = 1e-14;
   solver.initial_trust_region_radius = 1e6;
+  solver.use_nonmonotonic_steps = std::getenv("NM") != nullptr;
   solver.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &ceres_problem, &summary);
   report.converged = summary.termination_type == ceres::CONVERGENCE;
   report.iterations = static_cast<int>(summary.iterations.size()) - 1;
   report.initial_cost = summary.initial_cost;
-  report.final_cost = summary.final_cost;
+  report.final_cost = summary.IsSolutionUsable() ? summary.final_cost : std::numeric_limits<double>::infinity();
   report.seconds = summary.total_time_in_seconds;
   report.stopped = words(summary);
   return report;
