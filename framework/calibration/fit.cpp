@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 #include <random>
 
 namespace talus {
@@ -52,6 +53,22 @@ SolveReport solve_in_stages(Problem& problem, std::vector<double>& x, const FitO
   return total;
 }
 
+// The three parameters that differ most between two solutions, in words.
+std::string differences(const Problem& problem, const std::vector<double>& x, const std::vector<double>& other, const UnitSystem& units) {
+  std::vector<int> order(x.size());
+  std::iota(order.begin(), order.end(), 0);
+  auto moved = [&](int i) { return std::abs(other[i] - x[i]) / typical_size(problem.quantity(i), problem.dimension(i)); };
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return moved(a) > moved(b); });
+  const std::vector<std::string> names = problem.names();
+  std::vector<std::string> words;
+  for (int i : order) {
+    const Unit unit = units.of(problem.dimension(i));
+    words.push_back(fmt::format("{} {:.5g} instead of {:.5g} {}", names[i], other[i] / unit.factor, x[i] / unit.factor, unit.text));
+    if (words.size() == 3) break;
+  }
+  return join(words);
+}
+
 // Is the normal matrix so ill-conditioned that squaring loses what the data say, without being plainly singular?
 bool wants_qr(Problem& problem, std::span<const double> x) {
   const Eigen::MatrixXd F = problem.normal(x).factor;
@@ -95,6 +112,7 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
   // Other starts: a better minimum is taken, another one as good is reported.
   std::mt19937_64 random(options.seed);
   std::normal_distribution<double> normal;
+  bool twin = false;
   for (int k = 0; k < options.restarts; ++k) {
     std::vector<double> step(problem.start().size()), other = problem.start();
     for (std::size_t i = 0; i < step.size(); ++i) {
@@ -119,9 +137,12 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
       const Eigen::MatrixXd J = problem.information(x).factor.leftCols(problem.size());
       Eigen::VectorXd step(problem.size());
       for (int i = 0; i < problem.size(); ++i) step[i] = other[i] - x[i];
-      if ((J * step).squaredNorm() > 100 * scale)
-        fit.warnings.push_back("Another set of parameters, far away, fits these recordings as well: a twin solution. "
-                               "Tighter tolerances or more varied poses would decide.");
+      if (!twin && (J * step).squaredNorm() > 100 * scale) {
+        twin = true;
+        fit.warnings.push_back("Another set of parameters, far away, fits these recordings as well (a twin solution): " +
+                               differences(problem, x, other, program.units) +
+                               ". Tighter tolerances or more varied poses would decide.");
+      }
     }
   }
 

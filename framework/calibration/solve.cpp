@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 
 namespace talus {
@@ -84,7 +83,6 @@ SolveReport solve(Problem& problem, std::vector<double>& x, const SolveOptions& 
   solver.parameter_tolerance = options.parameter_tolerance;
   solver.gradient_tolerance = 1e-14;
   solver.initial_trust_region_radius = 1e6;
-  solver.use_nonmonotonic_steps = std::getenv("NM") != nullptr;
   solver.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &ceres_problem, &summary);

@@ -12,6 +12,14 @@ std::string cell(double value, int decimals) {
   return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : std::string(std::isnan(value) ? "-" : "unseen");
 }
 
+// Four significant digits, without exponents where they are not needed.
+std::string figure(double value) {
+  if (!std::isfinite(value)) return "-";
+  if (value == 0) return "0";
+  const int decimals = std::clamp(3 - static_cast<int>(std::floor(std::log10(std::abs(value)))), 0, 9);
+  return fmt::format("{:.{}f}", value, std::min(decimals, 7));
+}
+
 // Decimals that show the uncertainty with two digits, within reason.
 int decimals_for(double std) {
   if (!(std > 0) || !std::isfinite(std)) return 4;
@@ -26,8 +34,8 @@ std::string measure_table(const std::vector<Measure>& list, const UnitSystem& un
   for (const Measure& m : list) {
     const Unit unit = units.of(m.dimension);
     auto in = [&](double v) { return v / unit.factor; };
-    out += fmt::format("  {:<{}}  {:<6} {:>5} {:>11} {:>11} {:>11} {:>10} {:>8}\n", m.name, width, unit.text, m.count, cell(in(m.bias), 5),
-                       cell(in(m.precision), 5), cell(in(m.rmse), 5), cell(in(m.fsr), 2), cell(m.percent_fsr, 3));
+    out += fmt::format("  {:<{}}  {:<6} {:>5} {:>11} {:>11} {:>11} {:>10} {:>8}\n", m.name, width, unit.text, m.count, figure(in(m.bias)),
+                       figure(in(m.precision)), figure(in(m.rmse)), figure(in(m.fsr)), figure(m.percent_fsr));
   }
   return out;
 }
