@@ -11,6 +11,8 @@
 namespace talus::lua {
 namespace {
 
+constexpr lua_Unsigned longest_text = 100;
+
 // A dimension in Lua: user data that can be called.
 struct DimensionSpec {
   const char* name = "";  // of the global; "" for unit(...)
@@ -88,6 +90,7 @@ int call_dimension(lua_State* L) {
   const bool required = lua_isnoneornil(L, 2);
   if (lua_type(L, 2) == LUA_TSTRING) {
     const char* text = lua_tostring(L, 2);
+    if (lua_rawlen(L, 2) > longest_text) refuse(L, "the default is too long");
     guard(L, [&] {
       UnitSystem internal;
       internal.angle = {"rad", angle, 1, 0};
@@ -127,6 +130,7 @@ int choice(lua_State* L) {
 
 int unit(lua_State* L) {
   const char* text = luaL_checkstring(L, 1);
+  if (lua_rawlen(L, 1) > longest_text) refuse(L, "the unit is too long");
   DimensionSpec d;
   guard(L, [&] {
     const auto unit = parse_unit(text);

@@ -12,6 +12,8 @@
 namespace talus::lua {
 namespace {
 
+constexpr std::size_t most_plugins = 1000;
+
 using Words = std::vector<std::string>;
 
 std::string text_at(lua_State* L, int index) {
@@ -188,6 +190,9 @@ void add_plugin(lua_State* L, Declaration declaration, int definition) {
   auto& [registry, defined] = *sandbox.reading;
   const std::string tag = declaration.tag;
   const bool twice = std::find(defined.begin(), defined.end(), tag) != defined.end();
+  if (defined.size() == most_plugins)
+    throw InputError(sandbox.place(L),
+                     fmt::format("more than {} plugins in one file", most_plugins));
   defined.push_back(tag);
   if (const Plugin* known = registry->find(tag, declaration.family);
       known && known->origin == sandbox.file() && !twice)

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "framework/dsl/lua_libraries.h"
+#include "framework/dsl/text.h"
 
 namespace talus {
 namespace {
@@ -15,6 +16,7 @@ namespace {
 constexpr int steps_between_looks = 100;
 constexpr const char* chunk = "=model";  // short, so that Lua does not cut it in its messages
 constexpr std::string_view prefix = "model:";
+constexpr std::size_t longest_message = 500;
 
 double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -151,6 +153,11 @@ void LuaSandbox::fail(int status) {
     place.line = static_cast<int>(std::strtol(text.c_str() + prefix.size(), &end, 10));
     text.erase(0, end - text.c_str());
     text.erase(0, text.find_first_not_of(": "));
+  }
+  if (text.size() > longest_message) {  // the file's own error()
+    text.resize(longest_message);
+    while (!is_utf8(text)) text.pop_back();
+    text += " ...";
   }
   std::string expected;
   if (status == LUA_ERRSYNTAX && text.ends_with("near 'in'"))

@@ -110,6 +110,7 @@ int function(lua_State* L) {
     }
     return push_recorded(L, op, a);
   }
+  luaL_checknumber(L, 1);
   lua_pushvalue(L, lua_upvalueindex(1));
   lua_insert(L, 1);
   lua_call(L, lua_gettop(L) - 1, LUA_MULTRET);

@@ -9,14 +9,20 @@
 
 namespace talus {
 
+namespace fs = std::filesystem;
+constexpr std::uintmax_t most_bytes = 64u << 20;
+
 std::string read_text(const std::string& file) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored))
-    throw InputError({file, 0, 0}, "is a folder", "a file");
+  const fs::file_status status = fs::status(file, ignored);
+  const Place place{file, 0, 0};
+  if (!fs::exists(status)) throw InputError(place, "no such file");
+  if (fs::is_directory(status)) throw InputError(place, "is a folder", "a file");
+  if (!fs::is_regular_file(status)) throw InputError(place, "is a device or pipe", "a file");
+  if (fs::file_size(file, ignored) > most_bytes)
+    throw InputError(place, fmt::format("is larger than {} MB", most_bytes >> 20), "a model file");
   std::ifstream in(file, std::ios::binary);
-  if (!in)
-    throw InputError({file, 0, 0},
-                     std::filesystem::exists(file, ignored) ? "cannot be read" : "no such file");
+  if (!in) throw InputError(place, "cannot be read");
   std::ostringstream text;
   text << in.rdbuf();
   check_utf8(text.view(), file);
@@ -97,7 +103,7 @@ std::string folder_of(const std::string& file) {
 }
 
 std::string beside(const std::string& file, const std::string& relative) {
-  return (std::filesystem::path(folder_of(file)) / relative).lexically_normal().string();
+  return (fs::path(folder_of(file)) / relative).lexically_normal().string();
 }
 
 }  // namespace talus
