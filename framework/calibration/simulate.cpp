@@ -63,7 +63,7 @@ std::array<double, 4> quaternion(const Matrix3<double>& R) {
 std::vector<double> show(const Feature& f, Pose pose, const std::function<double()>& gauss) {
   const double sl = f.sigma_length.value_or(0), sa = f.sigma_angle.value_or(0);
   auto& [R, p] = pose;
-  auto turned = [&] {
+  auto turned = [&, &R = R] {
     Matrix3<double> out{};
     const Rigid<double> noisy = Rigid<double>(R, {}) * rotate_by_vector<double>(sa * gauss(), sa * gauss(), sa * gauss());
     out = noisy.rotation();

@@ -139,12 +139,12 @@ class Plan::Builder {
     }
     for (const auto& [slot, e] : d) {
       if (target_of_[slot].set < 0) continue;
-      auto product = [&](int i, int j) {  // (R^T dR)_ij
+      auto product = [&, &e = e](int i, int j) {  // (R^T dR)_ij
         Expr sum;
         for (int k = 0; k < 3; ++k) sum += m.rotation[k][i] * e[3 * k + j];
         return sum;
       };
-      auto moved = [&](int i) {
+      auto moved = [&, &e = e](int i) {
         Expr sum;
         for (int k = 0; k < 3; ++k) sum += m.rotation[k][i] * e[9 + k];
         return sum;

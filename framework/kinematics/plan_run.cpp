@@ -55,7 +55,7 @@ void Plan::set_parameters(Buffer& workspace, std::span<const double> slots) cons
   auto at = [&](std::int32_t i) { return i >= 0 ? s[i] : 0.0; };
   for (const UniformNode& u : uniform_)
     s[u.out] = u.op == Op::leaf ? slots[u.a] : u.op == Op::constant ? u.value : apply(u.op, at(u.a), at(u.b), at(u.c));
-  for (const auto& [from, to] : broadcast_) each(&workspace[to], [&](int) { return V(s[from]); });
+  for (const auto& [from, to] : broadcast_) each(&workspace[to], [value = s[from]](int) { return V(value); });
 }
 
 void Plan::forward(const ChainPlan& chain, double* w) {
