@@ -45,12 +45,15 @@ std::vector<int> joined(std::vector<int> a, const std::vector<int>& b) {
 
 }  // namespace
 
-Problem::Inside::Inside(const Program& p, const Recordings& recordings, const std::vector<std::size_t>& rows, const Groups& g,
+Plan plan_for(const Program& program, const Groups& groups, const ProblemOptions& options) {
+  const std::vector<int> latent = unknown_slots(program, groups.latent), shared = unknown_slots(program, groups.shared);
+  return Plan(program, {joined(parameter_slots(program, options), shared), latent, noisy(program, options)}, joined(latent, shared));
+}
+
+Problem::Inside::Inside(const Program& p, Plan the_plan, const Recordings& recordings, const std::vector<std::size_t>& rows, const Groups& g,
                         const ProblemOptions& o)
     : program(p), options(o), groups(g), latent_slots(unknown_slots(p, g.latent)), shared_slots(unknown_slots(p, g.shared)),
-      noisy_slots(noisy(p, o)),
-      plan(p, {joined(parameter_slots(p, o), shared_slots), latent_slots, noisy_slots}, joined(latent_slots, shared_slots)),
-      data(p, plan, recordings, rows, g) {
+      noisy_slots(noisy(p, o)), plan(std::move(the_plan)), data(p, plan, recordings, rows, g) {
   if (latent_slots.size() > 8) throw InputError("more than 8 unknowns per pose");
   for (int slot : noisy_slots)
     for (const Reading& r : p.readings)
@@ -254,7 +257,11 @@ Normal Problem::Inside::normal(std::span<const double> x, bool on, bool priors) 
 
 Problem::Problem(const Program& program, const Recordings& recordings, const std::vector<std::size_t>& rows, const Groups& groups,
                  const ProblemOptions& options)
-    : in_(std::make_unique<Inside>(program, recordings, rows, groups, options)) {
+    : Problem(program, plan_for(program, groups, options), recordings, rows, groups, options) {}
+
+Problem::Problem(const Program& program, const Plan& plan, const Recordings& recordings, const std::vector<std::size_t>& rows,
+                 const Groups& groups, const ProblemOptions& options)
+    : in_(std::make_unique<Inside>(program, plan, recordings, rows, groups, options)) {
   in_->robust = options.robust;
   set_weights(in_->start);
 }

@@ -33,8 +33,13 @@ struct Normal {
   double cost = 0;
 };
 
+// The plan a problem needs. It depends on the model alone, so it may be made once for many problems.
+Plan plan_for(const Program& program, const Groups& groups, const ProblemOptions& options);
+
 class Problem {
  public:
+  Problem(const Program& program, const Plan& plan, const Recordings& recordings, const std::vector<std::size_t>& rows,
+          const Groups& groups, const ProblemOptions& options);
   Problem(const Program& program, const Recordings& recordings, const std::vector<std::size_t>& rows,
           const Groups& groups, const ProblemOptions& options);
   ~Problem();

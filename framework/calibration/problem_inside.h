@@ -40,7 +40,7 @@ struct Problem::Inside {
   std::vector<Bench> benches;
   std::vector<double> row_factor;     // 1/sigma or the papers' weight, per row
 
-  Inside(const Program& program, const Recordings& recordings, const std::vector<std::size_t>& rows, const Groups& groups,
+  Inside(const Program& program, Plan plan, const Recordings& recordings, const std::vector<std::size_t>& rows, const Groups& groups,
          const ProblemOptions& options);
 
   int rows() const { return plan.rows(); }

@@ -83,8 +83,18 @@ Term Compiler::quantity_or_expression(const std::string& name, const std::string
   return term;
 }
 
+// <calibrate> has no name of its own: the first is `calibrate`, then `calibrate2`, ...
+std::string Compiler::owner(const Element& element) const {
+  int number = 0;
+  for (const Element& child : model_.root.children) {
+    number += child.tag == "calibrate";
+    if (&child == &element && child.tag == "calibrate") return number == 1 ? "calibrate" : fmt::format("calibrate{}", number);
+  }
+  return element.name();
+}
+
 Term Compiler::input(const Element& element, const Input& input) {
-  const std::string name = element.name() + "." + input.name;
+  const std::string name = owner(element) + "." + input.name;
   if (auto it = known_.find(name); it != known_.end()) return it->second;
   const Attribute* attribute = element.find(input.name);
   if (!attribute) {
@@ -95,7 +105,7 @@ Term Compiler::input(const Element& element, const Input& input) {
   }
   if (!in_progress_.insert(name).second)
     throw InputError(attribute->place, fmt::format("'{}' is defined in a circle", name));
-  Term term = quantity_or_expression(name, element.name(), *attribute, input.dimension);
+  Term term = quantity_or_expression(name, owner(element), *attribute, input.dimension);
   in_progress_.erase(name);
   return known_[name] = term;
 }

@@ -20,6 +20,7 @@ class Compiler {
   // names (compile_names.cpp)
   void collect(const Element& element);
   Term resolve(const std::string& name, const Place& place);
+  std::string owner(const Element& element) const;  // what its inputs' names begin with
   Term input(const Element& element, const Input& input);
   std::vector<Expr> inputs(const Element& element, const Declaration& declaration);
   std::vector<int> choices(const Element& element, const Declaration& declaration);

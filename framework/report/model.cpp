@@ -15,6 +15,14 @@ Element* find_named(Element& element, const std::string& name) {
   return nullptr;
 }
 
+// The owner of a parameter as the compiler calls it: a name, or for a <calibrate> its number.
+Element* find_owner(Element& root, const std::string& owner) {
+  int number = 0;
+  for (Element& child : root.children)
+    if (child.tag == "calibrate" && ++number && owner == "calibrate" + (number == 1 ? "" : std::to_string(number))) return &child;
+  return find_named(root, owner);
+}
+
 }  // namespace
 
 Model calibrated_model(const Model& model, const Program& program, const Fit& fit) {
@@ -25,7 +33,7 @@ Model calibrated_model(const Model& model, const Program& program, const Fit& fi
     Quantity q = p.nominal;
     q.value = v.value;
     if (std::isfinite(v.std) && v.std > 0) q.tolerance = v.std;
-    if (Element* element = find_named(result.root, p.element))
+    if (Element* element = find_owner(result.root, p.element))
       element->set(p.attribute, write_quantity(q, p.dimension, program.units, 4));
   }
   return result;
