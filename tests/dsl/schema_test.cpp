@@ -59,7 +59,8 @@ TEST_CASE("xmllint agrees with the checker" *
         std::pair{R"(<talus><chain from="B" to="E"><mount name="m" order="zyx"/></chain></talus>)",
                   false},
         std::pair{R"(<talus><encoder name="q" slop="1"/></talus>)", false}}) {
-    INFO(text);
+    const std::string model = text;
+    CAPTURE(model);
     CHECK(valid(text) == good);
     CHECK(accepted(text) == good);
   }
