@@ -1,0 +1,34 @@
+"""What the scripts in this folder share: running the command and reading its JSON."""
+import json, math, os, pathlib, subprocess, tempfile
+
+root = pathlib.Path(__file__).resolve().parents[2]
+talus = os.environ.get("TALUS", str(root / "build/talus"))
+
+
+def run(*words, allowed=(0,)):
+    """Runs the command from the top of the tree, so that its paths are those a reader would type."""
+    done = subprocess.run([talus, *map(str, words)], cwd=root, check=False, stderr=subprocess.PIPE, text=True)
+    if done.returncode not in allowed:
+        raise SystemExit(f"talus {' '.join(map(str, words))} ended with {done.returncode}\n{done.stderr}")
+
+
+def calibrate(model, recordings, *more):
+    """The JSON of a calibration; the calibrated model goes to a scratch folder."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = pathlib.Path(folder, "fit.json")
+        run("calibrate", model, recordings, *more, "--quiet", "--out", folder, "--json", file, allowed=(0, 1))
+        return json.loads(file.read_text(encoding="utf-8"))
+
+
+def rms(values):
+    values = list(values)
+    return math.sqrt(sum(v * v for v in values) / len(values)) if values else math.nan
+
+
+def write(file, text):
+    pathlib.Path(root, file).write_text(text, encoding="utf-8")
+    print(f"wrote {file}")
+
+
+def generated(script, *arguments):
+    return f"<!-- Written by scripts/figures/{' '.join((script, *arguments))}; do not edit. -->\n\n"
