@@ -49,23 +49,10 @@ std::string words(const ceres::Solver::Summary& summary) {
   }
 }
 
-}  // namespace
-
-SolveReport solve(Problem& problem, std::vector<double>& x, const SolveOptions& options) {
+// Minimises with the entries `held` standing still.
+SolveReport minimise(Problem& problem, std::vector<double>& x, const SolveOptions& options, const std::vector<int>& held) {
   SolveReport report;
   const int n = problem.size();
-  if (n == 0 || static_cast<int>(options.held.size()) == n) {
-    report.converged = true;
-    report.initial_cost = report.final_cost = problem.cost(x);
-    report.stopped = "nothing to solve for";
-    return report;
-  }
-  report.initial_cost = report.final_cost = problem.cost(x);
-  if (!std::isfinite(report.initial_cost)) {
-    report.final_cost = std::numeric_limits<double>::infinity();
-    report.stopped = "the model cannot be evaluated at the start";
-    return report;
-  }
   ceres::Problem ceres_problem;
   ceres_problem.AddParameterBlock(x.data(), n);
   ceres_problem.AddResidualBlock(new WholeProblem(problem), nullptr, x.data());
@@ -75,7 +62,7 @@ SolveReport solve(Problem& problem, std::vector<double>& x, const SolveOptions& 
       ceres_problem.SetParameterUpperBound(x.data(), i, bounds->second);
       x[i] = std::clamp(x[i], bounds->first, bounds->second);
     }
-  if (!options.held.empty()) ceres_problem.SetManifold(x.data(), new ceres::SubsetManifold(n, options.held));
+  if (!held.empty()) ceres_problem.SetManifold(x.data(), new ceres::SubsetManifold(n, held));
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_QR;
   solver.max_num_iterations = options.max_iterations;
@@ -92,6 +79,53 @@ SolveReport solve(Problem& problem, std::vector<double>& x, const SolveOptions& 
   report.final_cost = summary.IsSolutionUsable() ? summary.final_cost : std::numeric_limits<double>::infinity();
   report.seconds = summary.total_time_in_seconds;
   report.stopped = words(summary);
+  return report;
+}
+
+// The entries that lie at a bound which the cost pushes them against.
+std::vector<int> pushed(Problem& problem, const std::vector<double>& x) {
+  std::vector<int> at_bound;
+  for (int i = 0; i < problem.size(); ++i)
+    if (const auto& b = problem.quantity(i).bounds; b && (x[i] <= b->first || x[i] >= b->second)) at_bound.push_back(i);
+  if (at_bound.empty()) return at_bound;
+  const Eigen::MatrixXd F = problem.normal(x).factor;
+  const Eigen::VectorXd g = F.leftCols(problem.size()).transpose() * F.col(problem.size());
+  std::erase_if(at_bound, [&](int i) { return x[i] <= problem.quantity(i).bounds->first ? g[i] <= 0 : g[i] >= 0; });
+  return at_bound;
+}
+
+}  // namespace
+
+SolveReport solve(Problem& problem, std::vector<double>& x, const SolveOptions& options) {
+  SolveReport report;
+  const int n = problem.size();
+  report.initial_cost = report.final_cost = problem.cost(x);
+  if (n == 0 || static_cast<int>(options.held.size()) == n) {
+    report.converged = true;
+    report.stopped = "nothing to solve for";
+    return report;
+  }
+  if (!std::isfinite(report.initial_cost)) {
+    report.final_cost = std::numeric_limits<double>::infinity();
+    report.stopped = "the model cannot be evaluated at the start";
+    return report;
+  }
+  // Ceres' steps are cut off at a bound one by one, which may end beside the minimum along it: what is pushed
+  // against a bound is held there and the others are solved for again, until nothing more changes.
+  std::vector<int> held = options.held;
+  for (int round = 0; round < 10; ++round) {
+    const SolveReport next = minimise(problem, x, options, held);
+    const int iterations = report.iterations + next.iterations;
+    const double initial = report.initial_cost, seconds = report.seconds + next.seconds;
+    report = next;
+    report.iterations = iterations, report.initial_cost = initial, report.seconds = seconds;
+    if (!std::isfinite(report.final_cost)) break;
+    std::vector<int> now = options.held;
+    for (int i : pushed(problem, x))
+      if (std::find(now.begin(), now.end(), i) == now.end()) now.push_back(i);
+    if (now == held || static_cast<int>(now.size()) == n) break;
+    held = std::move(now);
+  }
   return report;
 }
 

@@ -103,55 +103,67 @@ class Plan::Builder {
   bool first(Target to) { return !std::exchange(plan_.touched_[to.set][to.column], 1); }
 
   void steps(int c) {
+    ChainPlan& chain = plan_.chains_[c];
+    chain.contributions.resize(plan_.sets_.size());
     for (const Motion<Expr>& m : program_.chains[c].motions.motions()) {
-      Step step{m.kind, m.axis};
-      if (m.kind == Motion<Expr>::Kind::rotation) {
-        step.a = want(sin(m.amount)), step.b = want(cos(m.amount));
-      } else if (m.kind == Motion<Expr>::Kind::translation) {
-        step.a = want(m.amount);
-      } else {
+      const int index = static_cast<int>(chain.steps.size());
+      Step& step = chain.steps.emplace_back(Step{m.kind, m.axis});
+      if (m.kind == Motion<Expr>::Kind::matrix) {
         for (int i = 0; i < 3; ++i) {
           for (int j = 0; j < 3; ++j) step.matrix[3 * i + j] = want(m.rotation[i][j]);
           step.matrix[9 + i] = want(m.translation[i]);
         }
-        twists(m, step);
+        twists(c, index, m);
+        continue;
       }
-      if (m.kind != Motion<Expr>::Kind::matrix)
-        for (const auto& [slot, d] : sorted(gradient(m.amount)))
-          if (const Target to = target_of_[slot]; to.set >= 0) {
-            const bool one = d.is_constant() && d.constant() == 1, minus = d.is_constant() && d.constant() == -1;
-            step.contributions.push_back({to, one ? -1 : minus ? -2 : want(d), first(to)});
-          }
-      if (!step.contributions.empty()) step.line = 0;  // placed later
-      plan_.chains_[c].steps.push_back(std::move(step));
+      const bool rotation = m.kind == Motion<Expr>::Kind::rotation;
+      step.a = want(rotation ? sin(m.amount) : m.amount);
+      if (rotation) step.b = want(cos(m.amount));
+      for (const auto& [slot, d] : sorted(gradient(m.amount))) {
+        const Target to = target_of_[slot];
+        if (to.set < 0) continue;
+        const bool one = d.is_constant() && d.constant() == 1, minus = d.is_constant() && d.constant() == -1;
+        step.line = 0;  // placed later
+        contribute(chain, to, one ? -1 : minus ? -2 : want(d), !rotation, index, -1);
+      }
     }
+  }
+
+  // Until the axes are placed, `line` says whose it is.
+  void contribute(ChainPlan& chain, Target to, std::int32_t factor, bool translation, int step, int twist) {
+    const auto owner = static_cast<std::int32_t>(owners_.size());
+    owners_.push_back({step, twist});
+    chain.contributions[to.set].push_back({to, factor, first(to), owner, translation, false});
   }
 
   static std::map<int, Expr> sorted(const std::unordered_map<std::int32_t, Expr>& g) { return {g.begin(), g.end()}; }
 
   // Per slot s: [w] = R^T dR/ds, v = R^T dt/ds, in the frame behind the motion.
-  void twists(const Motion<Expr>& m, Step& step) {
+  void twists(int c, int index, const Motion<Expr>& m) {
     std::map<int, std::array<Expr, 12>> d;
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j)
         for (const auto& [slot, e] : gradient(m.rotation[i][j])) d[slot][3 * i + j] = e;
       for (const auto& [slot, e] : gradient(m.translation[i])) d[slot][9 + i] = e;
     }
-    for (const auto& [slot, e] : d) {
-      if (target_of_[slot].set < 0) continue;
-      auto product = [&, &e = e](int i, int j) {  // (R^T dR)_ij
+    ChainPlan& chain = plan_.chains_[c];
+    for (const auto& entry : d) {
+      const std::array<Expr, 12>& e = entry.second;
+      const Target to = target_of_[entry.first];
+      if (to.set < 0) continue;
+      auto product = [&](int i, int j) {  // (R^T dR)_ij
         Expr sum;
         for (int k = 0; k < 3; ++k) sum += m.rotation[k][i] * e[3 * k + j];
         return sum;
       };
-      auto moved = [&, &e = e](int i) {
+      auto moved = [&](int i) {
         Expr sum;
         for (int k = 0; k < 3; ++k) sum += m.rotation[k][i] * e[9 + k];
         return sum;
       };
-      Twist t{{want(product(2, 1)), want(product(0, 2)), want(product(1, 0)), want(moved(0)), want(moved(1)), want(moved(2))},
-              0, target_of_[slot], first(target_of_[slot])};
-      step.twists.push_back(t);
+      std::vector<Step::Twist>& list = chain.steps[index].twists;
+      list.push_back({{want(product(2, 1)), want(product(0, 2)), want(product(1, 0)), want(moved(0)), want(moved(1)), want(moved(2))}, 0});
+      contribute(chain, to, -1, false, index, static_cast<int>(list.size()) - 1);
     }
   }
 
@@ -187,11 +199,19 @@ class Plan::Builder {
       chain.pose = take(12);
       chain.wrench = take(6 * static_cast<int>(program_.rows.size()));
       for (Step& s : chain.steps) {
-        if (s.line >= 0) s.line = take(6);
-        for (Twist& t : s.twists) t.line = take(6);
+        if (s.line >= 0) s.line = take(s.kind == Motion<Expr>::Kind::translation ? 3 : 6);
+        for (Step::Twist& t : s.twists) t.line = take(6);
+      }
+      for (auto& list : chain.contributions) {
+        std::int32_t last = -1;
+        for (Contribution& k : list) {
+          const auto [step, twist] = owners_[k.line];
+          k.line = twist < 0 ? chain.steps[step].line : chain.steps[step].twists[twist].line;
+          k.again = k.line == last;
+          last = k.line;
+        }
       }
     }
-    plan_.scratch_ = take(static_cast<int>(program_.rows.size()));
     // Uniform nodes: scalars, and lanes for those that are used beside lane nodes.
     std::map<std::int32_t, std::int32_t> scalar;
     for (std::int32_t i : uniform) {
@@ -211,6 +231,46 @@ class Plan::Builder {
       }
       return it->second;
     };
+    // Products and sums that are used once, and sines beside cosines, become one instruction.
+    std::map<std::int32_t, int> uses;
+    for (std::int32_t i : needed)
+      if (const Node& n = tape_[i]; n.op != Op::leaf)
+        for (std::int32_t a : {n.a, n.b, n.c})
+          if (a >= 0) ++uses[a];
+    auto product = [&](std::int32_t i) {
+      return tape_[i].op == Op::mul && needed.contains(i) && !wanted_.contains(i) && uses[i] == 1;
+    };
+    std::set<std::int32_t> inside;  // done within another instruction
+    struct Fusion {
+      Instruction::Fused kind;
+      std::int32_t a, b, c;
+    };
+    std::map<std::int32_t, Fusion> fusions;
+    using Fused = Instruction::Fused;
+    for (std::int32_t i : needed) {
+      const Node& n = tape_[i];
+      if (n.op == Op::add || n.op == Op::sub) {
+        if (product(n.b)) {
+          const Node& m = tape_[n.b];
+          fusions[i] = {n.op == Op::add ? Fused::multiply_add : Fused::subtract_product, m.a, m.b, n.a};
+          inside.insert(n.b);
+        } else if (product(n.a)) {
+          const Node& m = tape_[n.a];
+          fusions[i] = {n.op == Op::add ? Fused::multiply_add : Fused::multiply_subtract, m.a, m.b, n.b};
+          inside.insert(n.a);
+        }
+      }
+    }
+    std::map<std::int32_t, std::int32_t> cosine_of;  // argument -> cosine node
+    for (std::int32_t i : needed)
+      if (tape_[i].op == Op::cos) cosine_of[tape_[i].a] = i;
+    for (std::int32_t i : needed)
+      if (const Node& n = tape_[i]; n.op == Op::sin && cosine_of.contains(n.a)) {
+        fusions[i] = {Fused::sine_and_cosine, n.a, -1, cosine_of[n.a]};
+        inside.insert(cosine_of[n.a]);
+      }
+    for (auto& [i, f] : fusions)
+      if (f.kind == Fused::sine_and_cosine && f.c < i) inside.erase(f.c), f.kind = Fused::none;  // needed earlier
     for (std::int32_t i : needed) {
       const Node& n = tape_[i];
       if (n.op == Op::leaf) {
@@ -223,7 +283,14 @@ class Plan::Builder {
         }
         continue;
       }
-      Instruction in{n.op, offset(i), offset(n.a), offset(n.b), offset(n.c)};
+      if (inside.contains(i)) continue;
+      Instruction in{n.op, Fused::none, offset(i), 0, 0, 0};
+      if (auto f = fusions.find(i); f != fusions.end() && f->second.kind != Fused::none) {
+        in.fused = f->second.kind;
+        in.a = offset(f->second.a), in.b = offset(f->second.b), in.c = offset(f->second.c);
+      } else {
+        in.a = offset(n.a), in.b = offset(n.b), in.c = offset(n.c);
+      }
       (classify(i) & kChain ? plan_.after_ : plan_.before_).push_back(in);
     }
     auto fix = [&](std::int32_t& node) { node = offset(node); };
@@ -239,11 +306,12 @@ class Plan::Builder {
           fix(s.a);
           if (s.kind == Motion<Expr>::Kind::rotation) fix(s.b);
         }
-        for (Contribution& k : s.contributions)
-          if (k.factor >= 0) fix(k.factor);
-        for (Twist& t : s.twists)
+        for (Step::Twist& t : s.twists)
           for (auto& node : t.parts) fix(node);
       }
+      for (auto& list : plan_.chains_[c].contributions)
+        for (Contribution& k : list)
+          if (k.factor >= 0) fix(k.factor);
     }
     for (Direct& d : plan_.direct_) {
       fix(d.node);
@@ -263,6 +331,7 @@ class Plan::Builder {
   std::vector<Target> target_of_;
   std::vector<unsigned char> slot_class_, class_;
   std::set<std::int32_t> wanted_;
+  std::vector<std::pair<int, int>> owners_;  // of axes: step, twist
   std::vector<char> used_;
 };
 

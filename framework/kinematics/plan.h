@@ -68,37 +68,42 @@ class Plan {
 
  private:
   struct Instruction {
+    // The tape's operations, and some of them fused.
+    enum class Fused : std::uint8_t { none, multiply_add, multiply_subtract, subtract_product, sine_and_cosine };
     Op op;
-    std::int32_t out, a, b, c;  // offsets into the workspace
+    Fused fused = Fused::none;
+    std::int32_t out, a, b, c;  // offsets into the workspace (sine_and_cosine: the cosine goes to c)
   };
   struct Target {
     int set = -1, column = -1;  // position within the set
   };
+  // A column's share of a motion: the derivative by the motion's amount times that of the amount.
   struct Contribution {
     Target to;
     std::int32_t factor;  // offset; -1: one, -2: minus one
     bool first;           // the column's first contribution of all
-  };
-  struct Twist {  // of a matrix motion: its own axis for one column, in the frame behind the motion
-    std::array<std::int32_t, 6> parts;  // rotation, translation
-    std::int32_t line;
-    Target to;
-    bool first;
+    std::int32_t line;    // offset of the screw axis: [direction, moment] or the translation's direction
+    bool translation;
+    bool again;           // same axis as the contribution before
   };
   struct Step {
     Motion<Expr>::Kind kind;
     int axis;
-    std::int32_t a = -1, b = -1;  // sine and cosine, or the amount
-    std::array<std::int32_t, 12> matrix{};
-    std::int32_t line = -1;  // where the axis is kept; -1: not needed
-    std::vector<Contribution> contributions;
+    std::int32_t a = -1, b = -1;             // sine and cosine, or the amount
+    std::array<std::int32_t, 12> matrix{};   // rotation and translation of a matrix motion
+    std::int32_t line = -1;                  // where the axis is kept; -1: not needed
+    struct Twist {                           // a matrix motion's own axis for one slot, in the frame behind it
+      std::array<std::int32_t, 6> parts;     // rotation, translation
+      std::int32_t line;
+    };
     std::vector<Twist> twists;
   };
   struct ChainPlan {
     std::vector<Step> steps;
-    std::int32_t pose = -1;  // 12 lane arrays
-    std::vector<char> row_used, row_has_force;
+    std::vector<std::vector<Contribution>> contributions;  // per column set
+    std::int32_t pose = -1;                                // 12 lane arrays; -1: no row looks at this chain
     std::int32_t wrench = -1;                              // [row][6] after the row transform
+    std::vector<char> row_used, row_has_force;
     std::vector<std::array<std::int32_t, 6>> wrench_nodes;  // per row: force, moment; -1 where zero
   };
   struct Direct {
@@ -112,9 +117,9 @@ class Plan {
   static void run(const std::vector<Instruction>& instructions, double* workspace);
   static void forward(const ChainPlan& chain, double* workspace);
   void wrenches(const ChainPlan& chain, const RowTransform& transform, double* workspace) const;
-  // out[row][lane] (+)= axis . wrench of the row, for the rows of this chain.
-  void reciprocal(const ChainPlan& chain, const double* line, bool translation, bool dense, const double* workspace,
-                  double* out) const;
+  template <int Rows, bool Force>
+  static void fill_columns(const std::vector<Contribution>& list, const double* const* wrench, double* const* out,
+                      std::size_t stride, const double* workspace);
 
   std::vector<std::vector<int>> sets_;
   std::vector<int> state_, data_slots_;
@@ -130,7 +135,7 @@ class Plan {
   std::vector<ChainPlan> chains_;
   std::vector<Direct> direct_;
   std::vector<std::vector<char>> touched_;
-  std::int32_t data_offset_ = 0, state_offset_ = 0, scratch_ = 0, scalar_offset_ = 0;
+  std::int32_t data_offset_ = 0, state_offset_ = 0, scalar_offset_ = 0;
   std::size_t workspace_size_ = 0;
 };
 

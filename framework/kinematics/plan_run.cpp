@@ -25,6 +25,22 @@ void Plan::run(const std::vector<Instruction>& instructions, double* w) {
   for (const Instruction& in : instructions) {
     double* out = w + in.out;
     const double *a = w + in.a, *b = w + in.b, *c = w + in.c;
+    using Fused = Instruction::Fused;
+    switch (in.fused) {
+      case Fused::none: break;
+      case Fused::multiply_add: each(out, [&](int i) { return xsimd::fma(load(a + i), load(b + i), load(c + i)); }); continue;
+      case Fused::multiply_subtract: each(out, [&](int i) { return xsimd::fms(load(a + i), load(b + i), load(c + i)); }); continue;
+      case Fused::subtract_product: each(out, [&](int i) { return xsimd::fnma(load(a + i), load(b + i), load(c + i)); }); continue;
+      case Fused::sine_and_cosine: {
+        double* cosine = w + in.c;
+        each(out, [&](int i) {
+          const auto both = xsimd::sincos(load(a + i));
+          store(cosine + i, both.second);
+          return both.first;
+        });
+        continue;
+      }
+    }
     switch (in.op) {
       case Op::add: each(out, [&](int i) { return load(a + i) + load(b + i); }); break;
       case Op::sub: each(out, [&](int i) { return load(a + i) - load(b + i); }); break;
@@ -58,59 +74,88 @@ void Plan::set_parameters(Buffer& workspace, std::span<const double> slots) cons
   for (const auto& [from, to] : broadcast_) each(&workspace[to], [value = s[from]](int) { return V(value); });
 }
 
+namespace {
+
+struct RunningPose {
+  V R[3][3], p[3];
+
+  template <int Axis>
+  void rotate(const V& sine, const V& cosine) {
+    constexpr int u = (Axis + 1) % 3, v = (Axis + 2) % 3;
+    for (auto& row : R) {
+      const V ru = row[u], rv = row[v];
+      row[u] = xsimd::fma(ru, cosine, rv * sine);
+      row[v] = xsimd::fms(rv, cosine, ru * sine);
+    }
+  }
+  template <int Axis>
+  void translate(const V& by) {
+    for (int i = 0; i < 3; ++i) p[i] = xsimd::fma(R[i][Axis], by, p[i]);
+  }
+  // Direction w and moment about the base v + p x w.
+  void keep(double* line, const V (&w)[3], const V (&v)[3]) const {
+    for (int i = 0; i < 3; ++i) {
+      const int j = (i + 1) % 3, k = (i + 2) % 3;
+      store(line + i * lanes, w[i]);
+      store(line + (3 + i) * lanes, xsimd::fma(p[j], w[k], xsimd::fnma(p[k], w[j], v[i])));
+    }
+  }
+  template <int Axis, bool Rotation>
+  void elementary(const double* a, const double* b, double* line) {
+    if constexpr (Rotation) rotate<Axis>(load(a), load(b));
+    else translate<Axis>(load(a));
+    if (!line) return;
+    const V w[3] = {R[0][Axis], R[1][Axis], R[2][Axis]};
+    if constexpr (Rotation) keep(line, w, {V(0.0), V(0.0), V(0.0)});
+    else
+      for (int i = 0; i < 3; ++i) store(line + i * lanes, w[i]);
+  }
+};
+
+}  // namespace
+
 void Plan::forward(const ChainPlan& chain, double* w) {
   if (chain.pose < 0) return;
-  double* T = w + chain.pose;  // R row by row, then p
-  for (int i = 0; i < 12; ++i) each(T + i * lanes, [&](int) { return V(i == 0 || i == 4 || i == 8 ? 1.0 : 0.0); });
-  auto R = [&](int i, int j) { return T + (3 * i + j) * lanes; };
-  auto p = [&](int i) { return T + (9 + i) * lanes; };
-  for (const Step& s : chain.steps) {
-    for (int l = 0; l < lanes; l += step) {
+  for (int l = 0; l < lanes; l += step) {
+    RunningPose T;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) T.R[i][j] = V(i == j ? 1.0 : 0.0);
+      T.p[i] = V(0.0);
+    }
+    for (const Step& s : chain.steps) {
+      const double *a = w + s.a + l, *b = w + s.b + l;
+      double* line = s.line >= 0 ? w + s.line + l : nullptr;
+      if (s.kind == Motion<Expr>::Kind::rotation) {
+        if (s.axis == 0) T.elementary<0, true>(a, b, line);
+        else if (s.axis == 1) T.elementary<1, true>(a, b, line);
+        else T.elementary<2, true>(a, b, line);
+        continue;
+      }
       if (s.kind == Motion<Expr>::Kind::translation) {
-        const V by = load(w + s.a + l);
-        for (int i = 0; i < 3; ++i) store(p(i) + l, xsimd::fma(load(R(i, s.axis) + l), by, load(p(i) + l)));
-      } else if (s.kind == Motion<Expr>::Kind::rotation) {
-        const int u = (s.axis + 1) % 3, v = (s.axis + 2) % 3;
-        const V sine = load(w + s.a + l), cosine = load(w + s.b + l);
-        for (int i = 0; i < 3; ++i) {
-          const V ru = load(R(i, u) + l), rv = load(R(i, v) + l);
-          store(R(i, u) + l, xsimd::fma(ru, cosine, rv * sine));
-          store(R(i, v) + l, xsimd::fms(rv, cosine, ru * sine));
-        }
-      } else {
-        auto m = [&](int k) { return load(w + s.matrix[k] + l); };
-        for (int i = 0; i < 3; ++i) {
-          const V a = load(R(i, 0) + l), b = load(R(i, 1) + l), c = load(R(i, 2) + l);
-          for (int j = 0; j < 3; ++j) store(R(i, j) + l, xsimd::fma(a, m(j), xsimd::fma(b, m(3 + j), c * m(6 + j))));
-          store(p(i) + l, load(p(i) + l) + xsimd::fma(a, m(9), xsimd::fma(b, m(10), c * m(11))));
-        }
+        if (s.axis == 0) T.elementary<0, false>(a, b, line);
+        else if (s.axis == 1) T.elementary<1, false>(a, b, line);
+        else T.elementary<2, false>(a, b, line);
+        continue;
       }
-      auto axis = [&](double* line, const V& wx, const V& wy, const V& wz, const V& vx, const V& vy, const V& vz) {
-        // Moment about the base: v + p x w.
-        const V px = load(p(0) + l), py = load(p(1) + l), pz = load(p(2) + l);
-        store(line + l, wx), store(line + lanes + l, wy), store(line + 2 * lanes + l, wz);
-        store(line + 3 * lanes + l, vx + py * wz - pz * wy);
-        store(line + 4 * lanes + l, vy + pz * wx - px * wz);
-        store(line + 5 * lanes + l, vz + px * wy - py * wx);
-      };
-      if (s.line >= 0) {
-        const V x = load(R(0, s.axis) + l), y = load(R(1, s.axis) + l), z = load(R(2, s.axis) + l);
-        if (s.kind == Motion<Expr>::Kind::rotation) {
-          axis(w + s.line, x, y, z, V(0.0), V(0.0), V(0.0));
-        } else {
-          store(w + s.line + l, x), store(w + s.line + lanes + l, y), store(w + s.line + 2 * lanes + l, z);
-        }
+      auto m = [&](int k) { return load(w + s.matrix[k] + l); };
+      for (int i = 0; i < 3; ++i) {
+        const V x = T.R[i][0], y = T.R[i][1], z = T.R[i][2];
+        for (int j = 0; j < 3; ++j) T.R[i][j] = xsimd::fma(x, m(j), xsimd::fma(y, m(3 + j), z * m(6 + j)));
+        T.p[i] += xsimd::fma(x, m(9), xsimd::fma(y, m(10), z * m(11)));
       }
-      for (const Twist& t : s.twists) {
-        V turned[6];
+      for (const Step::Twist& t : s.twists) {
+        V turned[2][3];
         for (int h = 0; h < 2; ++h)
           for (int i = 0; i < 3; ++i) {
-            turned[3 * h + i] = V(0.0);
-            for (int k = 0; k < 3; ++k)
-              turned[3 * h + i] = xsimd::fma(load(R(i, k) + l), load(w + t.parts[3 * h + k] + l), turned[3 * h + i]);
+            auto part = [&](int k) { return load(w + t.parts[3 * h + k] + l); };
+            turned[h][i] = xsimd::fma(T.R[i][0], part(0), xsimd::fma(T.R[i][1], part(1), T.R[i][2] * part(2)));
           }
-        axis(w + t.line, turned[0], turned[1], turned[2], turned[3], turned[4], turned[5]);
+        T.keep(w + t.line + l, turned[0], turned[1]);
       }
+    }
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) store(w + chain.pose + (3 * i + j) * lanes + l, T.R[i][j]);
+      store(w + chain.pose + (9 + i) * lanes + l, T.p[i]);
     }
   }
 }
@@ -148,30 +193,39 @@ void Plan::wrenches(const ChainPlan& chain, const RowTransform& transform, doubl
     }
 }
 
-void Plan::reciprocal(const ChainPlan& chain, const double* line, bool translation, bool dense, const double* w,
-                      double* out) const {
-  const int m = rows();
+// A few rows at a time, so that their wrenches stay in registers while the columns pass by.
+template <int Rows, bool Force>
+void Plan::fill_columns(const std::vector<Contribution>& list, const double* const* wrench, double* const* out, std::size_t stride,
+                   const double* w) {
   for (int l = 0; l < lanes; l += step) {
-    const V x = load(line + l), y = load(line + lanes + l), z = load(line + 2 * lanes + l);
-    if (translation) {  // axis . force
-      for (int r = 0; r < m; ++r) {
-        const double* f = w + chain.wrench + r * 6 * lanes + l;
-        V g(0.0);
-        if (dense || chain.row_has_force[r])
-          g = xsimd::fma(x, load(f), xsimd::fma(y, load(f + lanes), z * load(f + 2 * lanes)));
-        store(out + r * lanes + l, g);
+    V f[Rows][3], n[Rows][3], g[Rows];
+    for (int r = 0; r < Rows; ++r)
+      for (int i = 0; i < 3; ++i) {
+        if constexpr (Force) f[r][i] = load(wrench[r] + i * lanes + l);
+        n[r][i] = load(wrench[r] + (3 + i) * lanes + l);
       }
-      continue;
-    }
-    const V a = load(line + 3 * lanes + l), b = load(line + 4 * lanes + l), c = load(line + 5 * lanes + l);
-    for (int r = 0; r < m; ++r) {
-      const double* f = w + chain.wrench + r * 6 * lanes + l;
-      V g(0.0);
-      if (dense || chain.row_used[r])
-        g = xsimd::fma(x, load(f + 3 * lanes), xsimd::fma(y, load(f + 4 * lanes), z * load(f + 5 * lanes)));
-      if (dense || chain.row_has_force[r])
-        g = xsimd::fma(a, load(f), xsimd::fma(b, load(f + lanes), xsimd::fma(c, load(f + 2 * lanes), g)));
-      store(out + r * lanes + l, g);
+    for (const Contribution& k : list) {
+      if (!k.again) {
+        const double* line = w + k.line + l;
+        const V x = load(line), y = load(line + lanes), z = load(line + 2 * lanes);
+        if (k.translation) {  // direction . force
+          for (int r = 0; r < Rows; ++r) {
+            if constexpr (Force) g[r] = xsimd::fma(x, f[r][0], xsimd::fma(y, f[r][1], z * f[r][2]));
+            else g[r] = V(0.0);
+          }
+        } else {  // direction . moment + moment of the axis . force
+          for (int r = 0; r < Rows; ++r) g[r] = xsimd::fma(x, n[r][0], xsimd::fma(y, n[r][1], z * n[r][2]));
+          if constexpr (Force) {
+            const V a = load(line + 3 * lanes), b = load(line + 4 * lanes), c = load(line + 5 * lanes);
+            for (int r = 0; r < Rows; ++r)
+              g[r] = xsimd::fma(a, f[r][0], xsimd::fma(b, f[r][1], xsimd::fma(c, f[r][2], g[r])));
+          }
+        }
+      }
+      const std::size_t at = k.to.column * stride + l;
+      const V factor = k.factor >= 0 ? load(w + k.factor + l) : V(k.factor == -2 ? -1.0 : 1.0);
+      for (int r = 0; r < Rows; ++r)
+        store(out[r] + at, k.first ? g[r] * factor : xsimd::fma(g[r], factor, load(out[r] + at)));
     }
   }
 }
@@ -181,39 +235,35 @@ void Plan::jacobian(Buffer& workspace, int set, const RowTransform& transform, d
   const int m = rows();
   const std::size_t size = static_cast<std::size_t>(m) * lanes;
   const bool dense = transform.kind == RowTransform::Kind::dense;
-  auto add = [&](double* out, bool first, const double* g, const double* factor, double sign) {
-    for (int r = 0; r < m; ++r)
-      each(out + r * lanes, [&](int l) {
-        V value = load(g + r * lanes + l);
-        value = factor ? value * load(factor + l) : sign < 0 ? -value : value;
-        return first ? value : value + load(out + r * lanes + l);
-      });
-  };
   for (std::size_t c = 0; c < sets_[set].size(); ++c)
     if (!touched_[set][c]) std::memset(J + c * stride, 0, size * sizeof(double));
   for (const ChainPlan& chain : chains_) {
-    if (chain.pose < 0) continue;
+    if (chain.pose < 0 || chain.contributions[set].empty()) continue;
     wrenches(chain, transform, w);
-    for (const Step& s : chain.steps) {
-      const bool translation = s.kind == Motion<Expr>::Kind::translation;
-      if (s.contributions.size() == 1 && s.contributions[0].first && s.contributions[0].factor == -1) {
-        const Target to = s.contributions[0].to;
-        if (to.set == set) reciprocal(chain, w + s.line, translation, dense, w, J + to.column * stride);
-        continue;
+    const double* wrench[3];
+    double* out[3];
+    for (bool force : {false, true}) {
+      int filled = 0;
+      auto flush = [&] {
+        const auto& list = chain.contributions[set];
+        if (filled == 3) (force ? fill_columns<3, true> : fill_columns<3, false>)(list, wrench, out, stride, w);
+        if (filled == 2) (force ? fill_columns<2, true> : fill_columns<2, false>)(list, wrench, out, stride, w);
+        if (filled == 1) (force ? fill_columns<1, true> : fill_columns<1, false>)(list, wrench, out, stride, w);
+        filled = 0;
+      };
+      for (int r = 0; r < m; ++r) {
+        if (!dense && !chain.row_used[r]) continue;
+        if ((dense || chain.row_has_force[r]) != force) continue;
+        wrench[filled] = w + chain.wrench + r * 6 * lanes;
+        out[filled++] = J + r * lanes;
+        if (filled == 3) flush();
       }
-      bool known = false;
-      for (const Contribution& k : s.contributions) {
-        if (k.to.set != set) continue;
-        if (!known) reciprocal(chain, w + s.line, translation, dense, w, w + scratch_);
-        known = true;
-        add(J + k.to.column * stride, k.first, w + scratch_, k.factor >= 0 ? w + k.factor : nullptr, k.factor == -2 ? -1 : 1);
-      }
-      for (const Twist& t : s.twists) {
-        if (t.to.set != set) continue;
-        reciprocal(chain, w + t.line, false, dense, w, w + scratch_);
-        add(J + t.to.column * stride, t.first, w + scratch_, nullptr, 1);
-      }
+      flush();
     }
+    if (!dense)
+      for (const Contribution& k : chain.contributions[set])
+        for (int r = 0; k.first && r < m; ++r)
+          if (!chain.row_used[r]) std::memset(J + k.to.column * stride + r * lanes, 0, lanes * sizeof(double));
   }
   for (const Direct& d : direct_) {
     if (d.to.set != set) continue;
