@@ -8,7 +8,6 @@
 #include <numeric>
 #include <set>
 
-#include "framework/kinematics/tape_values.h"
 
 namespace talus {
 
@@ -44,35 +43,6 @@ Groups::Groups(const Program& program, const Recordings& recordings) {
 
 int Groups::total() const {
   return std::accumulate(shared.begin(), shared.end(), 0, [](int n, const Unknowns& u) { return n + u.instances; });
-}
-
-std::vector<std::vector<int>> row_support(const Program& program) {
-  auto add = [](std::set<int>& slots, const Expr& e) {
-    for (int slot : support(e)) slots.insert(slot);
-  };
-  std::vector<std::set<int>> of_chain(program.chains.size());
-  for (std::size_t c = 0; c < program.chains.size(); ++c)
-    for (const Motion<Expr>& m : program.chains[c].motions.motions()) {
-      add(of_chain[c], m.amount);
-      for (int i = 0; i < 3; ++i) {
-        add(of_chain[c], m.translation[i]);
-        for (int j = 0; j < 3; ++j) add(of_chain[c], m.rotation[i][j]);
-      }
-    }
-  std::vector<std::vector<int>> result;
-  for (const Row& row : program.rows) {
-    std::set<int> own, all;
-    add(own, row.value);
-    for (int slot : own) {
-      auto chain = std::find_if(program.chains.begin(), program.chains.end(), [&](const Chain& c) {
-        return slot >= c.first_slot && slot < c.first_slot + 12;
-      });
-      if (chain == program.chains.end()) all.insert(slot);
-      else all.insert(of_chain[chain - program.chains.begin()].begin(), of_chain[chain - program.chains.begin()].end());
-    }
-    result.emplace_back(all.begin(), all.end());
-  }
-  return result;
 }
 
 Dataset::Dataset(const Program& program, const Plan& plan, const Recordings& recordings,
@@ -118,17 +88,16 @@ Dataset::Dataset(const Program& program, const Plan& plan, const Recordings& rec
     stand_in[slot] = it == column->values.end() ? 1 : *it;
   }
   const auto& nodes = plan.data_nodes();
-  TapeValues values(*program.tape, nodes);
+  TapeValues values = plan.data_values();
   std::vector<double> slots(program.slots, 0);
   const int m = plan.rows();
   block_ = std::max<std::size_t>(1, nodes.size() * lanes);
   mask_block_ = static_cast<std::size_t>(m) * lanes;
   data_.assign(block_ * batches_.size(), 0);
   mask_.assign(mask_block_ * batches_.size(), 0);
-  const auto support_of = row_support(program);
   std::vector<std::vector<const RecordedColumn*>> row_columns(m);
   for (int r = 0; r < m; ++r)
-    for (int slot : support_of[r])
+    for (int slot : plan.row_slots(r))
       if (auto it = column_of.find(slot); it != column_of.end()) row_columns[r].push_back(it->second);
   for (std::size_t b = 0; b < batches_.size(); ++b)
     for (int lane = 0; lane < lanes; ++lane) {

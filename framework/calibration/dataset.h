@@ -50,7 +50,4 @@ class Dataset {
   std::size_t block_ = 0, mask_block_ = 0, poses_ = 0, used_ = 0, missing_ = 0;
 };
 
-// The slots (data, parameters, unknowns) that each residual row depends on, through its chain too.
-std::vector<std::vector<int>> row_support(const Program& program);
-
 }  // namespace talus

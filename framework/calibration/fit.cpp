@@ -109,10 +109,15 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
     report.iterations += before;
   }
 
-  // Other starts: a better minimum is taken, another one as good is reported.
+  // Other starts: the best minimum is taken, another one as good is reported.
+  struct Solution {
+    SolveReport report;
+    std::vector<double> x;
+  };
+  std::vector<Solution> solutions{{report, x}};
+  std::size_t best = 0;
   std::mt19937_64 random(options.seed);
   std::normal_distribution<double> normal;
-  bool twin = false;
   for (int k = 0; k < options.restarts; ++k) {
     std::vector<double> step(problem.start().size()), other = problem.start();
     for (std::size_t i = 0; i < step.size(); ++i) {
@@ -126,27 +131,29 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
       if (std::isfinite(problem.cost(other))) break;
     }
     const SolveReport again = solve_in_stages(problem, other, options, robust);
-    const double scale = std::max(1.0, report.final_cost / std::max<double>(1, static_cast<double>(problem.data().used())));
-    if (again.final_cost < report.final_cost - 1e-6 * report.final_cost - 1e-9) {
-      if (again.final_cost < report.final_cost - 0.5 * scale)
-        fit.warnings.push_back(fmt::format("A scattered start reached a better minimum (cost {:.6g} instead of {:.6g}); the nominal "
-                                           "values lead to a local one. The better one was taken.", again.final_cost, report.final_cost));
-      report = again;
-      x = other;
-    } else if (again.converged && again.final_cost < report.final_cost + 2 * scale) {
-      const Eigen::MatrixXd J = problem.information(x).factor.leftCols(problem.size());
-      Eigen::VectorXd step(problem.size());
-      for (int i = 0; i < problem.size(); ++i) step[i] = other[i] - x[i];
-      if (!twin && (J * step).squaredNorm() > 100 * scale) {
-        twin = true;
-        fit.warnings.push_back("Another set of parameters, far away, fits these recordings as well (a twin solution): " +
-                               differences(problem, x, other, program.units) +
-                               ". Tighter tolerances or more varied poses would decide.");
-      }
-    }
+    const double least = solutions[best].report.final_cost;
+    if (again.final_cost < least - 1e-6 * least - 1e-9) best = solutions.size();
+    solutions.push_back({again, other});
+  }
+  x = solutions[best].x;
+  report = solutions[best].report;
+  const double scale = std::max(1.0, report.final_cost / std::max<double>(1, static_cast<double>(problem.data().used())));
+  if (const double nominal = solutions[0].report.final_cost; report.final_cost < nominal - 0.5 * scale)
+    fit.warnings.push_back(fmt::format("A scattered start reached a better minimum (cost {:.6g} instead of {:.6g}); the nominal "
+                                       "values lead to a local one. The better one was taken.", report.final_cost, nominal));
+  problem.set_weights(x);
+  const Eigen::MatrixXd J = problem.information(x).factor.leftCols(problem.size());
+  for (const Solution& other : solutions) {
+    if (!other.report.converged || other.report.final_cost > report.final_cost + 2 * scale) continue;
+    Eigen::VectorXd step(problem.size());
+    for (int i = 0; i < problem.size(); ++i) step[i] = other.x[i] - x[i];
+    if ((J * step).squaredNorm() <= 100 * scale) continue;
+    fit.warnings.push_back("Another set of parameters, far away, fits these recordings as well (a twin solution): " +
+                           differences(problem, x, other.x, program.units) +
+                           ". Tighter tolerances or more varied poses would decide.");
+    break;
   }
 
-  if (problem.whitening_depends_on_parameters()) problem.set_weights(x);
   fit.x = x;
   fit.cost = report.final_cost;
   fit.iterations = report.iterations;

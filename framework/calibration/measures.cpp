@@ -28,8 +28,37 @@ std::vector<Measure> measures(const Program& program, const Eigen::MatrixXd& raw
   return result;
 }
 
+namespace {
+
+using Columns = std::vector<std::pair<int, const RecordedColumn*>>;
+
+// Sets each feature's chain to the measured orientation whose entries are nearest to their mean.
+void refer_to_middle(const Program& program, std::size_t rows, const Columns& data, TapeValues& orientation, std::vector<double>& slots) {
+  const std::size_t n = program.features.size();
+  std::vector<double> mean(9 * n, 0), best(n, std::numeric_limits<double>::infinity());
+  for (int pass = 0; pass < 2; ++pass)
+    for (std::size_t k = 0; k < rows; ++k) {
+      for (const auto& [slot, column] : data) slots[slot] = column->values[k];
+      const auto& R = orientation(slots);
+      for (std::size_t f = 0; f < n; ++f) {
+        if (std::isnan(R[9 * f])) continue;
+        double away = 0;
+        for (std::size_t i = 9 * f; i < 9 * f + 9; ++i) {
+          if (pass == 0) mean[i] += R[i] / static_cast<double>(rows);
+          away += (R[i] - mean[i]) * (R[i] - mean[i]);
+        }
+        if (pass == 0 || away >= best[f]) continue;
+        best[f] = away;
+        for (std::size_t i = 0; i < 9; ++i)
+          slots[program.chains[program.features[f].chain].first_slot + static_cast<int>(i)] = R[9 * f + i];
+      }
+    }
+}
+
+}  // namespace
+
 // A row is measured minus modelled, so at a model pose that stands still it runs over the measured quantity. Lengths are
-// taken at the identity; angles at the first measured orientation, so that they do not wrap.
+// taken at the identity; angles at the measured orientation nearest to the mean of all, so that they do not wrap.
 std::vector<double> full_scale_ranges(const Program& program, const Recordings& recordings) {
   std::vector<std::int32_t> nodes, poses;
   Tape& tape = *program.tape;
@@ -41,7 +70,7 @@ std::vector<double> full_scale_ranges(const Program& program, const Recordings& 
   TapeValues values(tape, nodes), orientation(tape, poses);
   std::vector<double> slots(program.slots, 0);
   for (const Parameter& p : program.parameters) slots[p.slot] = p.nominal.value;
-  std::vector<std::pair<int, const RecordedColumn*>> data;
+  Columns data;
   for (const Reading& r : program.readings)
     if (const RecordedColumn* c = recordings.find(r.column)) data.emplace_back(r.slot, c);
   for (const MeasuredColumn& m : program.columns)
@@ -51,17 +80,9 @@ std::vector<double> full_scale_ranges(const Program& program, const Recordings& 
   for (int pass = 0; pass < 2; ++pass) {  // lengths and numbers, then angles
     for (const Chain& c : program.chains)
       for (int i = 0; i < 12; ++i) slots[c.first_slot + i] = i == 0 || i == 4 || i == 8;
-    std::vector<bool> referred(program.features.size(), pass == 0);
+    if (pass == 1) refer_to_middle(program, recordings.rows(), data, orientation, slots);
     for (std::size_t k = 0; k < recordings.rows(); ++k) {
       for (auto& [slot, column] : data) slots[slot] = column->values[k];
-      if (pass == 1) {
-        const auto& R = orientation(slots);
-        for (std::size_t f = 0; f < program.features.size(); ++f) {
-          if (referred[f] || std::isnan(R[9 * f])) continue;
-          for (int i = 0; i < 9; ++i) slots[program.chains[program.features[f].chain].first_slot + i] = R[9 * f + i];
-          referred[f] = true;
-        }
-      }
       const auto& v = values(slots);
       for (std::size_t r = 0; r < rows; ++r)
         if (!std::isnan(v[r]) && (program.rows[r].dimension == angle) == (pass == 1))

@@ -200,22 +200,7 @@ void Compiler::default_rows() {
 
 void Compiler::check_seen() const {
   std::set<int> seen;
-  auto look = [&](const Expr& e) {
-    for (int slot : support(e)) seen.insert(slot);
-  };
-  for (const Row& row : program_.rows) look(row.value);
-  for (const Chain& chain : program_.chains) {
-    bool used = false;
-    for (int i = 0; i < 12; ++i) used |= seen.contains(chain.first_slot + i);
-    if (!used) continue;
-    for (const Motion<Expr>& m : chain.motions.motions()) {
-      look(m.amount);
-      for (int i = 0; i < 3; ++i) {
-        look(m.translation[i]);
-        for (int j = 0; j < 3; ++j) look(m.rotation[i][j]);
-      }
-    }
-  }
+  for (const auto& slots : row_support(program_)) seen.insert(slots.begin(), slots.end());
   for (const Parameter& p : program_.parameters)
     if (!seen.contains(p.slot))
       throw InputError(p.place, fmt::format("free parameter '{}' is seen by no residual", p.name),
@@ -223,6 +208,35 @@ void Compiler::check_seen() const {
   for (const Unknown& u : program_.unknowns)
     if (!seen.contains(u.slot))
       throw InputError(u.place, fmt::format("unknown '{}' is seen by no residual", u.name), "a measured feature whose chain it moves");
+}
+
+std::vector<std::vector<int>> row_support(const Program& program) {
+  auto add = [](std::set<int>& slots, const Expr& e) {
+    for (int slot : support(e)) slots.insert(slot);
+  };
+  std::vector<std::set<int>> of_chain(program.chains.size());
+  for (std::size_t c = 0; c < program.chains.size(); ++c)
+    for (const Motion<Expr>& m : program.chains[c].motions.motions()) {
+      add(of_chain[c], m.amount);
+      for (int i = 0; i < 3; ++i) {
+        add(of_chain[c], m.translation[i]);
+        for (int j = 0; j < 3; ++j) add(of_chain[c], m.rotation[i][j]);
+      }
+    }
+  std::vector<std::vector<int>> result;
+  for (const Row& row : program.rows) {
+    std::set<int> own, all;
+    add(own, row.value);
+    for (int slot : own) {
+      auto chain = std::find_if(program.chains.begin(), program.chains.end(), [&](const Chain& c) {
+        return slot >= c.first_slot && slot < c.first_slot + 12;
+      });
+      if (chain == program.chains.end()) all.insert(slot);
+      else all.insert(of_chain[chain - program.chains.begin()].begin(), of_chain[chain - program.chains.begin()].end());
+    }
+    result.emplace_back(all.begin(), all.end());
+  }
+  return result;
 }
 
 Program Compiler::run() {

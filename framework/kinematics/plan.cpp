@@ -222,11 +222,14 @@ class Plan::Builder {
       if (n.op == Op::leaf) plan_.uniform_.push_back({n.op, out, n.a, -1, -1, 0});
       else plan_.uniform_.push_back({n.op, out, arg(n.a), arg(n.b), arg(n.c), n.value});
     }
+    std::vector<std::int32_t> spare;  // lanes of nodes that nobody needs any more
     auto offset = [&](std::int32_t i) {
       if (i < 0) return std::int32_t(0);
       auto [it, fresh] = where.try_emplace(i, 0);
       if (fresh) {
-        it->second = take(1);
+        const bool reuse = !spare.empty() && !uniform.contains(i);
+        it->second = reuse ? spare.back() : take(1);
+        if (reuse) spare.pop_back();
         if (uniform.contains(i)) plan_.broadcast_.emplace_back(scalar[i], it->second);
       }
       return it->second;
@@ -271,6 +274,11 @@ class Plan::Builder {
       }
     for (auto& [i, f] : fusions)
       if (f.kind == Fused::sine_and_cosine && f.c < i) inside.erase(f.c), f.kind = Fused::none;  // needed earlier
+    struct Pending {
+      Instruction::Fused fused;
+      std::int32_t node, a, b, c;
+    };
+    std::array<std::vector<Pending>, 2> pending;  // before and after the chains
     for (std::int32_t i : needed) {
       const Node& n = tape_[i];
       if (n.op == Op::leaf) {
@@ -281,18 +289,26 @@ class Plan::Builder {
           for (std::size_t c = 0; c < program_.chains.size(); ++c)
             if (int k = n.a - program_.chains[c].first_slot; k >= 0 && k < 12) where[i] = plan_.chains_[c].pose + k * lanes;
         }
-        continue;
+      } else if (!inside.contains(i)) {
+        const auto f = fusions.find(i);
+        const bool fused = f != fusions.end() && f->second.kind != Fused::none;
+        pending[classify(i) & kChain ? 1 : 0].push_back(
+            fused ? Pending{f->second.kind, i, f->second.a, f->second.b, f->second.c} : Pending{Fused::none, i, n.a, n.b, n.c});
       }
-      if (inside.contains(i)) continue;
-      Instruction in{n.op, Fused::none, offset(i), 0, 0, 0};
-      if (auto f = fusions.find(i); f != fusions.end() && f->second.kind != Fused::none) {
-        in.fused = f->second.kind;
-        in.a = offset(f->second.a), in.b = offset(f->second.b), in.c = offset(f->second.c);
-      } else {
-        in.a = offset(n.a), in.b = offset(n.b), in.c = offset(n.c);
-      }
-      (classify(i) & kChain ? plan_.after_ : plan_.before_).push_back(in);
     }
+    std::map<std::int32_t, const Pending*> last_use;
+    for (const auto& list : pending)
+      for (const Pending& k : list)
+        for (std::int32_t a : {k.a, k.b, k.c}) last_use[a] = &k;
+    for (int stage = 0; stage < 2; ++stage)
+      for (const Pending& k : pending[stage]) {
+        const std::int32_t a = offset(k.a), b = offset(k.b), c = offset(k.c);
+        (stage ? plan_.after_ : plan_.before_).push_back({tape_[k.node].op, k.fused, offset(k.node), a, b, c});
+        std::set<std::int32_t> done;
+        for (std::int32_t i : {k.a, k.b, k.c})
+          if (i >= 0 && last_use[i] == &k && needed.contains(i) && tape_[i].op != Op::leaf && !wanted_.contains(i) && done.insert(i).second)
+            spare.push_back(where[i]);
+      }
     auto fix = [&](std::int32_t& node) { node = offset(node); };
     for (const Row& row : program_.rows) plan_.row_nodes_.push_back(offset(row.value.node_on(tape_)));
     for (std::size_t c = 0; c < plan_.chains_.size(); ++c) {
@@ -323,6 +339,8 @@ class Plan::Builder {
     for (std::int32_t node : plan_.data_nodes_)
       for (int slot : support(Expr(&tape_, node))) slots.insert(slot);
     plan_.data_slots_.assign(slots.begin(), slots.end());
+    plan_.data_values_ = TapeValues(tape_, plan_.data_nodes_);
+    plan_.row_slots_ = row_support(program_);
   }
 
   const Program& program_;

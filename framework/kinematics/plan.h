@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "framework/kinematics/program.h"
+#include "framework/kinematics/tape_values.h"
 
 namespace talus {
 
@@ -54,6 +55,8 @@ class Plan {
   // Data nodes: computed once per recording by the caller, from the slots' values.
   const std::vector<std::int32_t>& data_nodes() const { return data_nodes_; }
   const std::vector<int>& data_slots() const { return data_slots_; }  // the data that the rows need
+  TapeValues data_values() const { return data_values_; }             // to compute the data nodes with
+  const std::vector<int>& row_slots(int row) const { return row_slots_[row]; }  // all it depends on, through its chain too
 
   Buffer workspace() const { return Buffer(workspace_size_); }
   // Once per evaluation; `slots` holds the parameters' values at their slots.
@@ -123,6 +126,8 @@ class Plan {
 
   std::vector<std::vector<int>> sets_;
   std::vector<int> state_, data_slots_;
+  std::vector<std::vector<int>> row_slots_;
+  TapeValues data_values_;
   std::vector<std::int32_t> data_nodes_, row_nodes_;
   std::vector<Instruction> before_, after_;  // the chains
   struct UniformNode {

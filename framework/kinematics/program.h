@@ -129,6 +129,9 @@ struct Program {
   Rigid<Expr> between(int in, int at) const;                     // T_in_at through the tree
 };
 
+// The slots (data, parameters, unknowns) that each residual row depends on, through its chain too.
+std::vector<std::vector<int>> row_support(const Program& program);
+
 // Compiles a checked model. InputError for: wrong or missing units, unknown or cyclic names, frames that hang
 // loose or are reached twice, residuals that do not fit their feature, a free parameter that no residual sees.
 Program compile(const Model& model, const Registry& registry);

@@ -10,6 +10,7 @@ namespace talus {
 
 class TapeValues {
  public:
+  TapeValues() = default;
   TapeValues(const Tape& tape, std::vector<std::int32_t> wanted);
   // The wanted nodes' values, in their order, given the slots' values.
   const std::vector<double>& operator()(std::span<const double> slots);
