@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <tuple>
 
 namespace talus {
 
@@ -295,6 +296,20 @@ class Plan::Builder {
         pending[classify(i) & kChain ? 1 : 0].push_back(
             fused ? Pending{f->second.kind, i, f->second.a, f->second.b, f->second.c} : Pending{Fused::none, i, n.a, n.b, n.c});
       }
+    }
+    // Independent instructions of one kind stand together: the interpreter then runs them without branching.
+    std::map<std::int32_t, int> depth;
+    for (auto& list : pending) {
+      for (const Pending& k : list) {
+        int d = 0;
+        for (std::int32_t a : {k.a, k.b, k.c})
+          if (a >= 0 && a != k.node && !(k.fused == Fused::sine_and_cosine && a == k.c)) d = std::max(d, depth[a] + 1);
+        depth[k.node] = d;
+        if (k.fused == Fused::sine_and_cosine) depth[k.c] = d;
+      }
+      std::stable_sort(list.begin(), list.end(), [&](const Pending& x, const Pending& y) {
+        return std::tuple(depth[x.node], x.fused, tape_[x.node].op) < std::tuple(depth[y.node], y.fused, tape_[y.node].op);
+      });
     }
     std::map<std::int32_t, const Pending*> last_use;
     for (const auto& list : pending)

@@ -22,46 +22,56 @@ inline void each(double* out, F f) {
 }  // namespace
 
 void Plan::run(const std::vector<Instruction>& instructions, double* w) {
-  for (const Instruction& in : instructions) {
-    double* out = w + in.out;
-    const double *a = w + in.a, *b = w + in.b, *c = w + in.c;
-    using Fused = Instruction::Fused;
-    switch (in.fused) {
+  using Fused = Instruction::Fused;
+  const Instruction* in = instructions.data();
+  const Instruction* const end = in + instructions.size();
+  // All neighbours of one kind, one after the other.
+  auto alike = [&](auto f) {
+    const Op op = in->op;
+    const Fused fused = in->fused;
+    do {
+      double* out = w + in->out;
+      const double *a = w + in->a, *b = w + in->b, *c = w + in->c;
+      for (int i = 0; i < lanes; i += step) store(out + i, f(a + i, b + i, c + i));
+    } while (++in != end && in->op == op && in->fused == fused);
+  };
+  using P = const double*;
+  while (in != end) {
+    switch (in->fused) {
       case Fused::none: break;
-      case Fused::multiply_add: each(out, [&](int i) { return xsimd::fma(load(a + i), load(b + i), load(c + i)); }); continue;
-      case Fused::multiply_subtract: each(out, [&](int i) { return xsimd::fms(load(a + i), load(b + i), load(c + i)); }); continue;
-      case Fused::subtract_product: each(out, [&](int i) { return xsimd::fnma(load(a + i), load(b + i), load(c + i)); }); continue;
-      case Fused::sine_and_cosine: {
-        double* cosine = w + in.c;
-        each(out, [&](int i) {
-          const auto both = xsimd::sincos(load(a + i));
-          store(cosine + i, both.second);
+      case Fused::multiply_add: alike([](P a, P b, P c) { return xsimd::fma(load(a), load(b), load(c)); }); continue;
+      case Fused::multiply_subtract: alike([](P a, P b, P c) { return xsimd::fms(load(a), load(b), load(c)); }); continue;
+      case Fused::subtract_product: alike([](P a, P b, P c) { return xsimd::fnma(load(a), load(b), load(c)); }); continue;
+      case Fused::sine_and_cosine:
+        alike([](P a, P, P c) {
+          const auto both = xsimd::sincos(load(a));
+          store(const_cast<double*>(c), both.second);
           return both.first;
         });
         continue;
-      }
     }
-    switch (in.op) {
-      case Op::add: each(out, [&](int i) { return load(a + i) + load(b + i); }); break;
-      case Op::sub: each(out, [&](int i) { return load(a + i) - load(b + i); }); break;
-      case Op::mul: each(out, [&](int i) { return load(a + i) * load(b + i); }); break;
-      case Op::div: each(out, [&](int i) { return load(a + i) / load(b + i); }); break;
-      case Op::neg: each(out, [&](int i) { return -load(a + i); }); break;
-      case Op::sin: each(out, [&](int i) { return xsimd::sin(load(a + i)); }); break;
-      case Op::cos: each(out, [&](int i) { return xsimd::cos(load(a + i)); }); break;
-      case Op::atan2: each(out, [&](int i) { return xsimd::atan2(load(a + i), load(b + i)); }); break;
-      case Op::sqrt: each(out, [&](int i) { return xsimd::sqrt(load(a + i)); }); break;
-      case Op::acos: each(out, [&](int i) { return xsimd::acos(load(a + i)); }); break;
-      case Op::asin: each(out, [&](int i) { return xsimd::asin(load(a + i)); }); break;
-      case Op::abs: each(out, [&](int i) { return xsimd::abs(load(a + i)); }); break;
-      case Op::less:
-        each(out, [&](int i) { return xsimd::select(load(a + i) < load(b + i), V(1.0), V(0.0)); });
-        break;
+    switch (in->op) {
+      case Op::add: alike([](P a, P b, P) { return load(a) + load(b); }); break;
+      case Op::sub: alike([](P a, P b, P) { return load(a) - load(b); }); break;
+      case Op::mul: alike([](P a, P b, P) { return load(a) * load(b); }); break;
+      case Op::div: alike([](P a, P b, P) { return load(a) / load(b); }); break;
+      case Op::neg: alike([](P a, P, P) { return -load(a); }); break;
+      case Op::sin: alike([](P a, P, P) { return xsimd::sin(load(a)); }); break;
+      case Op::cos: alike([](P a, P, P) { return xsimd::cos(load(a)); }); break;
+      case Op::atan2: alike([](P a, P b, P) { return xsimd::atan2(load(a), load(b)); }); break;
+      case Op::sqrt: alike([](P a, P, P) { return xsimd::sqrt(load(a)); }); break;
+      case Op::acos: alike([](P a, P, P) { return xsimd::acos(load(a)); }); break;
+      case Op::asin: alike([](P a, P, P) { return xsimd::asin(load(a)); }); break;
+      case Op::abs: alike([](P a, P, P) { return xsimd::abs(load(a)); }); break;
+      case Op::less: alike([](P a, P b, P) { return xsimd::select(load(a) < load(b), V(1.0), V(0.0)); }); break;
       case Op::select:
-        each(out, [&](int i) { return xsimd::select(load(a + i) != V(0.0), load(b + i), load(c + i)); });
+        alike([](P a, P b, P c) { return xsimd::select(load(a) != V(0.0), load(b), load(c)); });
         break;
-      default:
-        for (int i = 0; i < lanes; ++i) out[i] = apply(in.op, a[i], b[i], c[i]);
+      default: {
+        double* out = w + in->out;
+        for (int i = 0; i < lanes; ++i) out[i] = apply(in->op, w[in->a + i], w[in->b + i], w[in->c + i]);
+        ++in;
+      }
     }
   }
 }
@@ -223,6 +233,10 @@ void Plan::fill_columns(const std::vector<Contribution>& list, const double* con
         }
       }
       const std::size_t at = k.to.column * stride + l;
+      if (k.first && k.factor == -1) {
+        for (int r = 0; r < Rows; ++r) store(out[r] + at, g[r]);
+        continue;
+      }
       const V factor = k.factor >= 0 ? load(w + k.factor + l) : V(k.factor == -2 ? -1.0 : 1.0);
       for (int r = 0; r < Rows; ++r)
         store(out[r] + at, k.first ? g[r] * factor : xsimd::fma(g[r], factor, load(out[r] + at)));
