@@ -95,65 +95,93 @@ std::vector<double> show(const Feature& f, Pose pose, const std::function<double
 
 }  // namespace
 
+namespace {
+
+// What moves from pose to pose: readings, then unknowns.
+struct Coordinate {
+  std::string name, column;
+  Dimension dimension;
+  double rest;
+  std::optional<std::pair<double, double>> range;
+};
+
+std::vector<Coordinate> coordinates(const Program& program) {
+  std::vector<Coordinate> list;
+  const std::pair<double, double> turn(-60 * deg, 60 * deg);
+  for (const Reading& r : program.readings) {
+    list.push_back({r.sensor, r.column, r.dimension, 0, r.range});
+    if (!r.range && r.dimension == angle) list.back().range = turn;
+  }
+  for (const Unknown& u : program.unknowns) {
+    list.push_back({u.name, u.name, u.dimension, u.start.value, {}});
+    if (!u.per.empty()) continue;
+    if (u.start.bounds) list.back().range = u.start.bounds;
+    else if (u.dimension == angle) list.back().range = turn;
+  }
+  return list;
+}
+
+std::vector<std::string> words_of(const std::string& text, char separator) {
+  std::vector<std::string> words{""};
+  for (char c : text) {
+    if (c == separator) words.emplace_back();
+    else words.back() += c;
+  }
+  return words;
+}
+
+}  // namespace
+
 Settings random_settings(const Program& program, int count, std::uint64_t seed) {
   std::mt19937_64 random(seed);
+  const std::vector<Coordinate> list = coordinates(program);
   Settings settings;
   for (int k = 0; k < count; ++k) {
-    auto& pose = settings.readings.emplace_back();
-    for (const Reading& r : program.readings) {
-      const auto [low, high] = r.range.value_or(r.dimension == angle ? std::pair(-60 * deg, 60 * deg) : std::pair(0.0, 0.0));
-      pose.push_back(std::uniform_real_distribution<double>(low, std::nextafter(high, 1e300))(random));
-    }
+    auto& pose = settings.poses.emplace_back();
+    for (const Coordinate& c : list)
+      pose.push_back(c.range ? std::uniform_real_distribution<double>(c.range->first, std::nextafter(c.range->second, 1e300))(random) : c.rest);
   }
   return settings;
 }
 
 Settings grid_settings(const Program& program, const std::string& grid) {
-  std::vector<std::vector<double>> axes(program.readings.size(), {0.0});
-  std::size_t start = 0;
-  while (start < grid.size()) {
-    const std::size_t end = std::min(grid.find(';', start), grid.size());
-    const std::string part = grid.substr(start, end - start);
-    start = end + 1;
+  const std::vector<Coordinate> list = coordinates(program);
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> axes;
+  for (const Coordinate& c : list) names.push_back(c.name), axes.push_back({c.rest});
+  const Place place{"--grid", 0, 0};
+  for (const std::string& part : words_of(grid, ';')) {
     const std::size_t equals = part.find('=');
     std::string name = part.substr(0, equals);
     std::erase(name, ' ');
     if (name.empty() && equals == std::string::npos) continue;
-    std::vector<std::string> names;
-    for (const Reading& r : program.readings) names.push_back(r.sensor);
     const auto it = std::find(names.begin(), names.end(), name);
     if (it == names.end() || equals == std::string::npos)
-      throw InputError({"--grid", 0, 0}, fmt::format("'{}'", part), "sensor=first:last:step or sensor=a,b,c with one of: " + join(names), nearest(name, names));
-    const Reading& r = program.readings[it - names.begin()];
-    auto value = [&](const std::string& text) { return parse_quantity(text, r.dimension, program.units, {"--grid", 0, 0}).value; };
-    std::vector<std::string> words{""};
-    const std::string list = part.substr(equals + 1);
-    const bool range = list.find(':') != std::string::npos;
-    for (char c : list) {
-      if (c == (range ? ':' : ',')) words.emplace_back();
-      else words.back() += c;
-    }
+      throw InputError(place, fmt::format("'{}'", part), "name=first:last:step or name=a,b,c with one of: " + join(names), nearest(name, names));
+    const Coordinate& c = list[it - names.begin()];
+    auto value = [&](const std::string& text) { return parse_quantity(text, c.dimension, program.units, place).value; };
+    const std::string values = part.substr(equals + 1);
     auto& axis = axes[it - names.begin()];
     axis.clear();
-    if (!range) {
-      for (const std::string& w : words) axis.push_back(value(w));
-    } else {
-      if (words.size() != 3) throw InputError({"--grid", 0, 0}, fmt::format("'{}'", list), "first:last:step");
-      const double first = value(words[0]), last = value(words[1]), step = value(words[2]);
-      if (!(step > 0) || last < first) throw InputError({"--grid", 0, 0}, fmt::format("'{}'", list), "first below last, and a step above zero");
-      const int n = static_cast<int>(std::floor((last - first) / step + 1e-9));
-      for (int i = 0; i <= n; ++i) axis.push_back(first + i * step);
+    if (values.find(':') == std::string::npos) {
+      for (const std::string& w : words_of(values, ',')) axis.push_back(value(w));
+      continue;
     }
+    const std::vector<std::string> words = words_of(values, ':');
+    if (words.size() != 3) throw InputError(place, fmt::format("'{}'", values), "first:last:step");
+    const double first = value(words[0]), last = value(words[1]), step = value(words[2]);
+    if (!(step > 0) || last < first) throw InputError(place, fmt::format("'{}'", values), "first below last, and a step above zero");
+    for (int i = 0; i <= static_cast<int>(std::floor((last - first) / step + 1e-9)); ++i) axis.push_back(first + i * step);
   }
   Settings settings{{{}}};
   for (const auto& axis : axes) {
     std::vector<std::vector<double>> next;
-    for (const auto& pose : settings.readings)
+    for (const auto& pose : settings.poses)
       for (double v : axis) {
         next.push_back(pose);
         next.back().push_back(v);
       }
-    settings.readings = std::move(next);
+    settings.poses = std::move(next);
   }
   return settings;
 }
@@ -163,8 +191,9 @@ Settings settings_from(Program& program, const Recordings& recordings, int threa
   Settings settings;
   if (given) {
     for (std::size_t k = 0; k < recordings.rows(); ++k) {
-      auto& pose = settings.readings.emplace_back();
-      for (const Reading& r : program.readings) pose.push_back(recordings.get(r.column, r.dimension).values[k]);
+      auto& pose = settings.poses.emplace_back();
+      for (const Coordinate& c : coordinates(program))
+        pose.push_back(recordings.find(c.column) ? recordings.get(c.column, c.dimension).values[k] : c.rest);
     }
     return settings;
   }
@@ -179,7 +208,7 @@ Settings settings_from(Program& program, const Recordings& recordings, int threa
   ProblemOptions options;
   options.threads = threads;
   options.only_unknowns = true;
-  settings.readings.assign(rows.size(), {});
+  settings.poses.assign(rows.size(), {});
   std::vector<double> best(rows.size(), std::numeric_limits<double>::infinity());
   std::mt19937_64 random(1);
   std::vector<double> previous;
@@ -201,12 +230,14 @@ Settings settings_from(Program& program, const Recordings& recordings, int threa
         pose.push_back(v);
       }
       const double score = left < 1e-3 ? (inside ? 0 : 1) : 2 + left;  // reached inside its ranges, reached, not reached
-      if (score < best[k]) best[k] = score, settings.readings[k] = pose;
+      if (score < best[k]) best[k] = score, settings.poses[k] = pose;
     }
     if (std::all_of(best.begin(), best.end(), [](double s) { return s == 0; })) break;
   }
   program.readings = readings;
   program.unknowns = unknowns;
+  for (auto& pose : settings.poses)
+    for (const Unknown& u : unknowns) pose.push_back(u.start.value);
   for (std::size_t k = 0; k < rows.size(); ++k)
     if (best[k] >= 2) throw InputError({recordings.file, recordings.lines[k], 0}, "this pose cannot be reached by the linkage");
   return settings;
@@ -225,18 +256,25 @@ Recordings simulate(const Program& program, const Settings& settings, const Simu
   for (const Feature& f : program.features) chains.emplace_back(program, program.chains[f.chain]);
   std::vector<double> slots(program.slots, 0);
   for (const Parameter& p : program.parameters) slots[p.slot] = p.nominal.value;
-  for (const Unknown& u : program.unknowns) slots[u.slot] = u.start.value;
-  for (std::size_t k = 0; k < settings.readings.size(); ++k) {
+  const std::size_t readings = program.readings.size();
+  for (std::size_t k = 0; k < settings.poses.size(); ++k) {
+    for (std::size_t u = 0; u < program.unknowns.size(); ++u) slots[program.unknowns[u].slot] = settings.poses[k][readings + u];
     std::size_t column = 0;
     out.lines.push_back(static_cast<int>(k) + 2);
     out.columns[column++].values.push_back(static_cast<double>(k + 1));
-    for (std::size_t i = 0; i < program.readings.size(); ++i) {
-      slots[program.readings[i].slot] = settings.readings[k][i];
-      out.columns[column++].values.push_back(settings.readings[k][i] + program.readings[i].sigma * gauss());
+    for (std::size_t i = 0; i < readings; ++i) {
+      slots[program.readings[i].slot] = settings.poses[k][i];
+      out.columns[column++].values.push_back(settings.poses[k][i] + program.readings[i].sigma * gauss());
     }
     for (std::size_t f = 0; f < program.features.size(); ++f)
       for (double v : show(program.features[f], chains[f](slots), gauss)) out.columns[column++].values.push_back(v);
   }
+  // As many digits as an instrument shows; without noise, all of them.
+  if (options.noise > 0)
+    for (RecordedColumn& c : out.columns) {
+      const double digit = c.unit.factor * (c.unit.dimension == number ? 1e-9 : 1e-6);
+      for (double& v : c.values) v = std::round(v / digit) * digit;
+    }
   return out;
 }
 

@@ -29,6 +29,7 @@ SplitOptions split_options(const Program& program, const Recordings& recordings,
   split.check_share = o.check;
   split.seed = o.common.seed;
   split.group_columns = o.groups;
+  for (const std::string& column : program.settings.groups) split.group_columns.push_back(column);
   for (const Unknown& u : program.unknowns)
     if (!u.per.empty()) split.group_columns.push_back(u.per.front());
   if (const RecordedColumn* session = recordings.find("session")) {

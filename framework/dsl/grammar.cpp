@@ -43,7 +43,7 @@ const std::vector<ElementRule>& structural() {
        "A number that the solver finds for each pose or group of poses.",
        Where::inside_talus,
        {{"name", "how expressions call it", required},
-        {"value", "its start, with a tolerance if there is a prior: 50 ± 0.1"},
+        {"value", "its start, with a tolerance if there is a prior: 50 ± 0.1; bounds are the range simulated"},
         {"kind", "length, angle, number (default), or a unit such as deg/(N*m)"},
         {"per", "pose (default), or the columns whose equal values make a group"}}},
       {"chain",
@@ -77,7 +77,8 @@ const std::vector<ElementRule>& structural() {
          "as_published: the weighted sum of squares of a pose squared again",
          false,
          {"least_squares", "as_published"}},
-        {"loss", "robust loss in sigmas: huber 2, or cauchy 2"}}}};
+        {"loss", "robust loss in sigmas: huber 2, or cauchy 2"},
+        {"group", "columns whose equal rows are held out together: star"}}}};
   return rules;
 }
 

@@ -121,6 +121,8 @@ void Compiler::calibrate(const Element& element) {
     for (std::size_t i = 0; i < words.size(); ++i) weights[i] = positive_number(words[i], "weight");
     s.weighted = true;
   }
+  if (const Attribute* g = element.find("group"))
+    for (const Attribute& word : split_list(*g)) s.groups.push_back(word.text);
   auto one_of = [&](const char* attribute, const std::vector<std::string>& words) -> int {
     const Attribute* a = element.find(attribute);
     if (!a) return -1;

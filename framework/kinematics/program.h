@@ -105,6 +105,7 @@ struct CalibrationSettings {
   double loss_scale = 2;  // in sigmas
   bool weighted = false;  // weights were given: rows are weighted by them rather than by sigmas
   bool full_scale = false;  // rows are divided by their full-scale range first
+  std::vector<std::string> groups;  // columns whose equal rows are held out together
 };
 
 struct Program {

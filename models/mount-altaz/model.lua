@@ -20,5 +20,5 @@ return talus {
   encoders,
   gravity { ["in"] = "sky", z = "-1" },
   direction { name = "d", ["in"] = "sky", at = "telescope", roll = "-90", yaw = small(0), sigma = "1 arcsec" },
-  calibrate { residual = "direction", of = "d" },
+  calibrate { residual = "direction", of = "d", group = "star" },
 }
