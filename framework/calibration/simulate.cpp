@@ -272,8 +272,8 @@ Recordings simulate(const Program& program, const Settings& settings, const Simu
   // As many digits as an instrument shows; without noise, all of them.
   if (options.noise > 0)
     for (RecordedColumn& c : out.columns) {
-      const double digit = c.unit.factor * (c.unit.dimension == number ? 1e-9 : 1e-6);
-      for (double& v : c.values) v = std::round(v / digit) * digit;
+      const double digits = c.unit.dimension == number ? 1e9 : 1e6;
+      for (double& v : c.values) v = c.unit.factor * (std::round(v / c.unit.factor * digits) / digits);
     }
   return out;
 }

@@ -43,7 +43,19 @@ void Compiler::frames() {
     }
   }
   if (starts.empty()) throw InputError(model_.root.place, "the model has no <chain>", "at least one <chain from=\"...\" to=\"...\">");
-  auto root = std::find_if(starts.begin(), starts.end(), [&](auto& s) { return !reached.contains(s.first); });
+  // The root: of the frames no chain leads to, the one with the largest tree, so that a misspelt one is not taken for it.
+  auto root = starts.end();
+  std::size_t largest = 0;
+  for (auto start = starts.begin(); start != starts.end(); ++start) {
+    if (reached.contains(start->first)) continue;
+    std::set<std::string> tree{start->first};
+    for (std::size_t before = 0; before != tree.size();) {
+      before = tree.size();
+      for (const Edge& edge : edges)
+        if (tree.contains(edge.parent)) tree.insert({edge.frame.name, edge.alias.empty() ? edge.frame.name : edge.alias});
+    }
+    if (tree.size() > largest) largest = tree.size(), root = start;
+  }
   if (root == starts.end())
     throw InputError(starts[0].second, fmt::format("the chains form a circle through frame '{}'", starts[0].first),
                      "a tree of frames; close a loop with <closure in=\"...\" at=\"...\"/>");
