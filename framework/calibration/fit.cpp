@@ -33,6 +33,14 @@ SolveReport solve_in_stages(Problem& problem, std::vector<double>& x, const FitO
   SolveOptions solver;
   solver.max_iterations = options.max_iterations;
   problem.set_robust(false);
+  // Without stated noise the tolerances have nothing to be weighed against but the residuals themselves: first
+  // hardly at all, then in units of what the fit leaves.
+  const double rows = std::max(1.0, static_cast<double>(problem.data().used()) - problem.size());
+  auto estimate_noise = [&] { problem.set_noise_variance(std::max(1e-300, problem.information(x).cost * 2 / rows)); };
+  if (!problem.noise_known()) {
+    problem.set_noise_variance(0);
+    if (const double start = problem.cost(x); start > 0 && std::isfinite(start)) problem.set_noise_variance(1e-6 * 2 * start / rows);
+  }
   SolveReport total = solve(problem, x, solver);
   auto again = [&] {
     const SolveReport next = solve(problem, x, solver);
@@ -44,6 +52,10 @@ SolveReport solve_in_stages(Problem& problem, std::vector<double>& x, const FitO
   };
   if (problem.whitening_depends_on_parameters()) {
     problem.set_weights(x);
+    again();
+  }
+  if (!problem.noise_known() && std::isfinite(total.final_cost)) {
+    estimate_noise();
     again();
   }
   if (robust) {
@@ -150,7 +162,8 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
     if ((J * step).squaredNorm() <= 100 * scale) continue;
     fit.warnings.push_back("Another set of parameters, far away, fits these recordings as well (a twin solution): " +
                            differences(problem, x, other.x, program.units) +
-                           ". Tighter tolerances or more varied poses would decide.");
+                           ". It may be the same linkage described otherwise (an axis reversed, two bars exchanged); if not, tighter "
+                               "tolerances or more varied poses would decide.");
     break;
   }
 

@@ -28,7 +28,10 @@ Eigen::MatrixXd sparse_basis(Eigen::MatrixXd V) {
     Eigen::Index row = 0, column = 0;
     Eigen::MatrixXd rest = V.rightCols(k - c).cwiseAbs();
     for (auto p : pivots) rest.row(p).setZero();
-    rest.maxCoeff(&row, &column);
+    double best = 0;
+    for (Eigen::Index i = 0; i < rest.rows(); ++i)  // the first of equals, whatever the rounding
+      for (Eigen::Index j = 0; j < rest.cols(); ++j)
+        if (rest(i, j) > 1.001 * best) best = rest(i, j), row = i, column = j;
     V.col(c).swap(V.col(c + column));
     V.col(c) /= V(row, c);
     for (Eigen::Index other = 0; other < k; ++other)
@@ -44,9 +47,10 @@ std::string sentence(const Eigen::VectorXd& move, const std::vector<std::string>
   Eigen::VectorXd scaled(move.size());
   for (int i = 0; i < move.size(); ++i) scaled[i] = std::abs(move[i]) / typical_size(problem.quantity(i), problem.dimension(i));
   std::vector<int> order;
+  const double largest = scaled.maxCoeff();  // equals, but for rounding, stay in the model's order
   for (int i = 0; i < scaled.size(); ++i)
-    if (scaled[i] > 0.02 * scaled.maxCoeff()) order.push_back(i);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return scaled[a] > scaled[b]; });
+    if (scaled[i] > 0.02 * largest) order.push_back(i);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return std::round(500 * scaled[a] / largest) > std::round(500 * scaled[b] / largest); });
   auto unit = [&](int i) { return units.of(problem.dimension(i)); };
   const int lead = order[0];
   const auto& tolerance = problem.quantity(lead).tolerance;

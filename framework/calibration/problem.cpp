@@ -134,11 +134,11 @@ void Problem::Inside::each_batch(std::span<const double> x, F f) {
   });
 }
 
-static double prior_cost(const std::vector<Quantity>& quantities, std::span<const double> x) {
+static double prior_cost(const std::vector<Quantity>& quantities, std::span<const double> x, double variance) {
   double sum = 0;
   for (std::size_t i = 0; i < quantities.size(); ++i)
     if (quantities[i].tolerance) sum += std::pow((x[i] - quantities[i].value) / *quantities[i].tolerance, 2);
-  return sum / 2;
+  return variance * sum / 2;
 }
 
 // factor^T factor = [[H, g], [g^T, 2 cost]]: H by a pivoted LDL^T of the scaled matrix, so that a direction the data do not
@@ -228,14 +228,15 @@ Normal Problem::Inside::normal(std::span<const double> x, bool on, bool priors) 
       add_qr(columns.data(), n + 1, n + 1, n + 1, G);
     }
   }
-  if (priors) result.cost += prior_cost(quantities, x);
+  if (priors) result.cost += prior_cost(quantities, x, noise_variance_of_rows);
   if (by_qr) {
     if (priors) {
       Buffer rows_of_priors(static_cast<std::size_t>(n) * (n + 1), 0);
       for (int i = 0; i < n; ++i)
         if (quantities[i].tolerance) {
-          rows_of_priors[static_cast<std::size_t>(i) * n + i] = 1 / *quantities[i].tolerance;
-          rows_of_priors[static_cast<std::size_t>(n) * n + i] = (x[i] - quantities[i].value) / *quantities[i].tolerance;
+          const double weight = std::sqrt(noise_variance_of_rows) / *quantities[i].tolerance;
+          rows_of_priors[static_cast<std::size_t>(i) * n + i] = weight;
+          rows_of_priors[static_cast<std::size_t>(n) * n + i] = weight * (x[i] - quantities[i].value);
         }
       add_qr(rows_of_priors.data(), n + 1, n, n, G);
     }
@@ -247,7 +248,7 @@ Normal Problem::Inside::normal(std::span<const double> x, bool on, bool priors) 
   if (priors)
     for (int i = 0; i < n; ++i)
       if (quantities[i].tolerance) {
-        const double t2 = *quantities[i].tolerance * *quantities[i].tolerance;
+        const double t2 = *quantities[i].tolerance * *quantities[i].tolerance / noise_variance_of_rows;
         G(i, i) += 1 / t2;
         G(i, n) += (x[i] - quantities[i].value) / t2;
       }
@@ -274,6 +275,7 @@ const Quantity& Problem::quantity(int i) const { return in_->quantities[i]; }
 Dimension Problem::dimension(int i) const { return in_->dimensions[i]; }
 bool Problem::occurs(int i) const { return in_->occurs[i]; }
 void Problem::set_robust(bool on) { in_->robust = on; }
+void Problem::set_noise_variance(double variance) { in_->noise_variance_of_rows = variance; }
 void Problem::set_qr(bool on) { in_->qr = on && in_->groups.shared.empty(); }
 bool Problem::qr() const { return in_->qr; }
 const Dataset& Problem::data() const { return in_->data; }
@@ -323,7 +325,7 @@ double Problem::cost(std::span<const double> x) {
     in_->losses(bench, b, in_->robust);
     sums[chunk] += in_->batch_cost(bench, b);
   });
-  double total = in_->options.priors ? prior_cost(in_->quantities, x) : 0;
+  double total = in_->options.priors ? prior_cost(in_->quantities, x, in_->noise_variance_of_rows) : 0;
   for (double s : sums) total += s;
   return total;
 }

@@ -54,6 +54,8 @@ class Problem {
   bool occurs(int i) const;  // false for an instance of a group unknown that has no row here
 
   void set_robust(bool on);
+  // Where the noise is not stated, priors weigh in units of the estimated one: the variance of a weighted row.
+  void set_noise_variance(double variance);
   void set_qr(bool on);    // accumulate by QR instead of Gram matrices
   bool qr() const;
   void hold(const std::vector<double>& parameters);  // their values where only unknowns are free

@@ -34,6 +34,7 @@ struct Problem::Inside {
   std::vector<int> offset;            // of each shared unknown's instances in x
   std::vector<Quantity> latent_prior;
   bool robust = true, qr = false, dense = false;
+  double noise_variance_of_rows = 1;
   Buffer weights;                     // per batch: [row][lane], or [row][row][lane] where dense
   Buffer latent;                      // per batch: [latent][lane], the last solution
   Buffer latent_trial;

@@ -248,10 +248,15 @@ Recordings simulate(const Program& program, const Settings& settings, const Simu
   std::normal_distribution<double> normal;
   const std::function<double()> gauss = [&] { return options.noise > 0 ? options.noise * normal(random) : 0.0; };
   Recordings out;
-  out.columns.push_back({"pose", *parse_unit("1"), {}, {}});
-  for (const Reading& r : program.readings) out.columns.push_back({r.column, program.units.of(r.dimension), {}, {}});
+  auto column = [&](const std::string& name, Dimension dimension) {
+    Unit unit = program.units.of(dimension);
+    if (dimension == number) unit.text.clear();  // no bracket in the header
+    out.columns.push_back({name, unit, {}, {}});
+  };
+  column("pose", number);
+  for (const Reading& r : program.readings) column(r.column, r.dimension);
   for (const Feature& f : program.features)
-    for (int c : f.columns) out.columns.push_back({program.columns[c].name, program.units.of(program.columns[c].dimension), {}, {}});
+    for (int c : f.columns) column(program.columns[c].name, program.columns[c].dimension);
   std::vector<ChainPose> chains;
   for (const Feature& f : program.features) chains.emplace_back(program, program.chains[f.chain]);
   std::vector<double> slots(program.slots, 0);
@@ -259,15 +264,15 @@ Recordings simulate(const Program& program, const Settings& settings, const Simu
   const std::size_t readings = program.readings.size();
   for (std::size_t k = 0; k < settings.poses.size(); ++k) {
     for (std::size_t u = 0; u < program.unknowns.size(); ++u) slots[program.unknowns[u].slot] = settings.poses[k][readings + u];
-    std::size_t column = 0;
+    std::size_t next = 0;
     out.lines.push_back(static_cast<int>(k) + 2);
-    out.columns[column++].values.push_back(static_cast<double>(k + 1));
+    out.columns[next++].values.push_back(static_cast<double>(k + 1));
     for (std::size_t i = 0; i < readings; ++i) {
       slots[program.readings[i].slot] = settings.poses[k][i];
-      out.columns[column++].values.push_back(settings.poses[k][i] + program.readings[i].sigma * gauss());
+      out.columns[next++].values.push_back(settings.poses[k][i] + program.readings[i].sigma * gauss());
     }
     for (std::size_t f = 0; f < program.features.size(); ++f)
-      for (double v : show(program.features[f], chains[f](slots), gauss)) out.columns[column++].values.push_back(v);
+      for (double v : show(program.features[f], chains[f](slots), gauss)) out.columns[next++].values.push_back(v);
   }
   // As many digits as an instrument shows; without noise, all of them.
   if (options.noise > 0)

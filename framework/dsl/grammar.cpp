@@ -70,7 +70,7 @@ const std::vector<ElementRule>& structural() {
        "Which residuals of which measured features are made small, and how.",
        Where::inside_talus,
        {{"residual", "one residual or several: position, rotation_vector", required},
-        {"of", "the measured features: E, or E, F", required},
+        {"of", "the measured features: E, or E, F; default: all that the residual fits"},
         {"weight", "one number per residual; without it each row is divided by its sigma"},
         {"normalise", "fsr: each row is divided by its full-scale range first", false, {"fsr"}},
         {"objective",

@@ -63,7 +63,7 @@ void push_transform(lua_State* L, const Rigid<Expr>& value) {
 }
 
 const char* word(Kind kind) {
-  static constexpr const char* words[] = {"frame", "point", "direction", "scalar", "nothing"};
+  static constexpr const char* words[] = {"frame", "point", "direction", "scalar", "closure"};
   return words[static_cast<int>(kind)];
 }
 

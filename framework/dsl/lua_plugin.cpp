@@ -139,13 +139,13 @@ class DefinitionReader {
                                                       {"point", Kind::point},
                                                       {"direction", Kind::direction},
                                                       {"scalar", Kind::scalar},
-                                                      {"nothing", Kind::nothing}};
+                                                      {"closure", Kind::nothing}};
     d_.kinds.clear();
     each("of", [&] {
       const std::string word = text_at(L_, -1);
       if (!known.count(word))
         fail(fmt::format("nothing of kind '{}' is measured", word),
-             "one of: frame, point, direction, scalar, nothing");
+             "one of: frame, point, direction, scalar, closure");
       d_.kinds.push_back(known.at(word));
     });
   }

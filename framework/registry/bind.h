@@ -44,7 +44,8 @@ void check(const Declaration& d, const char* function, int fixed, int wanted, R 
 
 template <class P>
 Plugin make() {
-  Plugin plugin{.declaration = P::declaration()};
+  Plugin plugin;
+  plugin.declaration = P::declaration();
   const Declaration& d = plugin.declaration;
   const int inputs = int(d.inputs.size());
   using In = Plugin::Inputs;

@@ -70,7 +70,7 @@ struct Column {
 };
 
 struct Declaration {
-  Family family;
+  Family family = Family::joint;
   std::string tag;
   std::string summary;  // one line; ends with the source (paper, equation) where there is one
   std::vector<Input> inputs;

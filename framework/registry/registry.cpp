@@ -17,7 +17,7 @@ std::string to_string(Family family) {
 }
 
 std::string to_string(Kind kind) {
-  static constexpr const char* names[] = {"frame", "point", "direction", "scalar", "nothing"};
+  static constexpr const char* names[] = {"frame", "point", "direction", "scalar", "closure"};
   return names[static_cast<int>(kind)];
 }
 
