@@ -1,6 +1,9 @@
-// The inside of a calibration problem, shared by problem.cpp and batch.cpp.
+// The inside of a calibration problem, shared by problem.cpp, normal.cpp and batch.cpp.
 #pragma once
 
+#include <algorithm>
+
+#include "framework/calibration/parallel.h"
 #include "framework/calibration/problem.h"
 
 namespace talus {
@@ -65,8 +68,29 @@ struct Problem::Inside {
   RowTransform transform(Bench& bench, int b, bool robust);  // whitening, projection, robust correction
   double batch_cost(const Bench& bench, int b) const;
 
-  Normal normal(std::span<const double> x, bool robust, bool priors);
+  int chunks() const;
+  double prior_cost(std::span<const double> x) const;
+  Normal normal(std::span<const double> x, bool robust, bool priors);  // normal.cpp
   template <class F> void each_batch(std::span<const double> x, F f);
 };
+
+// Fixed chunks of batches: the same whatever the number of threads.
+inline int Problem::Inside::chunks() const { return std::clamp(data.batches() / 4, 1, size() > 200 ? 8 : 32); }
+
+template <class F>  // f(bench, chunk, batch)
+void Problem::Inside::each_batch(std::span<const double> x, F f) {
+  const int count = chunks();
+  const std::vector<double> values = slots(x);
+  const int threads = data.batches() < 32 ? 1 : options.threads;
+  for (int t = 0; t < std::max(1, threads); ++t) plan.set_parameters(benches[t].workspace, values);
+  parallel_chunks(count, threads, [&](int chunk, int worker) {
+    const int first = static_cast<int>(static_cast<long>(data.batches()) * chunk / count);
+    const int last = static_cast<int>(static_cast<long>(data.batches()) * (chunk + 1) / count);
+    for (int b = first; b < last; ++b) {
+      load_state(benches[worker], b, x);
+      f(benches[worker], chunk, b);
+    }
+  });
+}
 
 }  // namespace talus

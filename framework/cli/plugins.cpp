@@ -23,6 +23,7 @@ std::string describe_plugin(const Plugin& plugin) {
     for (const Column& c : d.columns) list += fmt::format(" {}[{}]", c.suffix.empty() ? "(name)" : c.suffix, units.of(c.dimension).text);
     out += fmt::format("  {}:{}\n", d.family == Family::residual ? "rows" : "columns", list);
   }
+  if (!d.residuals.empty()) out += "  residuals, where the model names none: " + join(d.residuals) + "\n";
   if (d.family == Family::residual) {
     std::vector<std::string> kinds;
     for (Kind k : d.kinds) kinds.push_back(to_string(k));

@@ -80,7 +80,7 @@ void Compiler::feature(const Element& element) {
 }
 
 void Compiler::add_rows(const std::string& residual, int feature, const std::vector<Expr>& inputs, double weight,
-                        int term, const Place&) {
+                        int term) {
   const Plugin& plugin = *registry_.find(residual, Family::residual);
   const Feature& f = program_.features[feature];
   const int first = program_.chains[f.chain].first_slot;
@@ -109,7 +109,6 @@ void Compiler::add_rows(const std::string& residual, int feature, const std::vec
 
 void Compiler::calibrate(const Element& element) {
   CalibrationSettings& s = program_.settings;
-  const Attribute whole{"residual", "", element.place};
   const Attribute* residual = element.find("residual");
   if (!residual) throw InputError(element.place, "<calibrate> names no residual", "residual=\"position, ...\"");
   const auto residuals = split_list(*residual);
@@ -150,7 +149,7 @@ void Compiler::calibrate(const Element& element) {
     const int term = static_cast<int>(program_.terms.size());
     program_.terms.push_back(tag);
     int used = 0;
-    auto use = [&](int f) { add_rows(tag, f, values, weights[r], term, residuals[r].place), ++used; };
+    auto use = [&](int f) { add_rows(tag, f, values, weights[r], term), ++used; };
     if (const Attribute* of = element.find("of")) {
       for (const Attribute& word : split_list(*of)) {
         std::vector<std::string> names;
@@ -181,21 +180,13 @@ void Compiler::calibrate(const Element& element) {
 void Compiler::default_rows() {
   for (std::size_t f = 0; f < program_.features.size(); ++f) {
     const Feature& feature = program_.features[f];
-    std::vector<std::string> tags;
-    switch (feature.kind) {
-      case Kind::frame: tags = {"position", "rotation_vector"}; break;
-      case Kind::point: tags = {"position"}; break;
-      case Kind::direction: tags = {feature.observed.angles ? "inverse_direction_cosines" : "direction"}; break;
-      case Kind::scalar: tags = {"vector_length"}; break;
-      case Kind::nothing: tags = {"closure"}; break;
-    }
-    for (const std::string& tag : tags) {
+    for (const std::string& tag : registry_.find(feature.tag)->declaration.residuals) {
       const Plugin* plugin = registry_.find(tag, Family::residual);
       if (!plugin) continue;
       std::vector<Expr> values;
       for (const Input& i : plugin->declaration.inputs) values.push_back(Expr(i.otherwise));
       program_.terms.push_back(tag);
-      add_rows(tag, static_cast<int>(f), values, 1, static_cast<int>(program_.terms.size()) - 1, feature.place);
+      add_rows(tag, static_cast<int>(f), values, 1, static_cast<int>(program_.terms.size()) - 1);
     }
   }
 }

@@ -42,7 +42,7 @@ class Compiler {
   void calibrate(const Element& element);
   void default_rows();
   void add_rows(const std::string& residual, int feature, const std::vector<Expr>& inputs, double weight,
-                int term, const Place& place);
+                int term);
   void check_seen() const;
 
   const Model& model_;

@@ -77,6 +77,7 @@ struct Declaration {
   std::vector<Choice> choices;
   std::vector<Column> columns;              // features: measured columns; residuals: rows
   std::vector<Kind> kinds;                  // features: the one observed; residuals: those accepted
+  std::vector<std::string> residuals;       // features: those taken where the model names none
   Dimension reading = number, value = number;  // sensors
   bool lua = false;
 
@@ -85,6 +86,7 @@ struct Declaration {
   Declaration& required(std::string name, Dimension dimension, std::string meaning);
   Declaration& choice(std::string name, std::vector<std::string> words, std::string meaning);
   Declaration& column(std::string suffix, Dimension dimension);
+  Declaration& judged_by(std::vector<std::string> residuals);
   Declaration& row(std::string name, Dimension dimension) { return column(std::move(name), dimension); }
 
   const Input* find_input(std::string_view name) const;

@@ -47,6 +47,11 @@ Declaration& Declaration::column(std::string suffix, Dimension dimension) {
   return *this;
 }
 
+Declaration& Declaration::judged_by(std::vector<std::string> tags) {
+  residuals = std::move(tags);
+  return *this;
+}
+
 const Input* Declaration::find_input(std::string_view name) const {
   auto it = std::find_if(inputs.begin(), inputs.end(), [&](const Input& i) { return i.name == name; });
   return it == inputs.end() ? nullptr : &*it;

@@ -48,7 +48,7 @@ std::string json_report(const Program& program, const Fit& fit, const ReportCont
                 {"missing", fit.rows_missing}, {"cost", value(fit.cost)}, {"iterations", fit.iterations}, {"seconds", fit.seconds},
                 {"converged", fit.converged}, {"stopped", fit.stopped}, {"solver", fit.solver}, {"warnings", fit.warnings}};
   const Json out{{"talus", TALUS_VERSION}, {"command", context.command}, {"model", context.model_file},
-                 {"recordings", context.recordings_file}, {"poses", {{"fit", fit.poses_fit}, {"check", fit.poses_check}}},
+                 {"recordings", context.recordings_file}, {"poses", {{"fit", fit.poses_fit}, {"check", fit.poses_check}, {"check_rows", fit.residuals_check.poses}}},
                  {"baseline", std::move(baseline)}};
   return out.dump(1) + "\n";
 }

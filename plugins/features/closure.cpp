@@ -10,7 +10,8 @@ struct Closure {
   static Declaration declaration() {
     return feature("closure", Kind::nothing,
                    "closed loop: frames `at` and `in` coincide, nothing is measured (Hollerbach "
-                   "and Wampler 1996)");
+                   "and Wampler 1996)")
+        .judged_by({"closure"});
   }
   template <class T>
   static Observed<T> observe() {

@@ -14,7 +14,8 @@ struct Direction {
         .input("yaw", angle, 0, "second turn, about the turned y")
         .column(".x", number)
         .column(".y", number)
-        .column(".z", number);
+        .column(".z", number)
+        .judged_by({"direction"});
   }
   template <class T>
   static Rigid<T> offset(T roll, T yaw) {

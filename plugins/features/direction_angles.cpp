@@ -15,7 +15,8 @@ struct DirectionAngles {
         .input("yaw", angle, 0, "second turn, about the turned y")
         .column("x", angle)
         .column("y", angle)
-        .column("z", angle);
+        .column("z", angle)
+        .judged_by({"inverse_direction_cosines"});
   }
   template <class T>
   static Rigid<T> offset(T roll, T yaw) {

@@ -15,7 +15,8 @@ struct Frame {
         .column(".qw", number)
         .column(".qx", number)
         .column(".qy", number)
-        .column(".qz", number);
+        .column(".qz", number)
+        .judged_by({"position", "rotation_vector"});
   }
   template <class T>
   static Observed<T> observe(T x, T y, T z, T qw, T qx, T qy, T qz) {

@@ -13,7 +13,8 @@ struct Length {
         .input("x", length, 0, "x of the point in frame `at`")
         .input("y", length, 0, "y of it")
         .input("z", length, 0, "z of it")
-        .column("", length);
+        .column("", length)
+        .judged_by({"vector_length"});
   }
   template <class T>
   static Rigid<T> offset(T x, T y, T z) {

@@ -13,7 +13,8 @@ struct Point {
         .input("z", length, 0, "z of it")
         .column(".x", length)
         .column(".y", length)
-        .column(".z", length);
+        .column(".z", length)
+        .judged_by({"position"});
   }
   template <class T>
   static Rigid<T> offset(T x, T y, T z) {
