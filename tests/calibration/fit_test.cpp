@@ -33,7 +33,10 @@ TEST_CASE("parameters come back within their standard uncertainties") {
       {"isl-bonny-2013/model.xml", 100, 1},      {"arm-6r/model.xml", 120, 1},
       {"arm-ur10/model.xml", 150, 0.5},          {"device-nordquist-2009/model.xml", 120, 0.5},
       {"ankle-storey-2006/model.xml", 150, 0.3}, {"mount-altaz/model.xml", 60, 1}};
-  for (const auto& [file, poses, share] : devices) {
+  for (const Device& device : devices) {
+    const auto& file = device.file;
+    const int poses = device.poses;
+    const double share = device.share;
     CAPTURE(file);
     const Model model = model_of(shipped(file));
     double sum = 0, dof = 0;

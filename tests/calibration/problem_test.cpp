@@ -160,7 +160,8 @@ TEST_CASE("the gradient of every loss and objective is the derivative of the cos
   const std::pair<const char*, const char*> choices[] = {
       {"loss", "none"},     {"loss", "huber 1.5"}, {"loss", "huber 40"},
       {"loss", "cauchy 2"}, {"loss", "cauchy 30"}, {"objective", "as_published"}};
-  for (const auto& [attribute, text] : choices) {
+  for (const auto& choice : choices) {
+    const char *attribute = choice.first, *text = choice.second;
     CAPTURE(text);
     for (const Model& model : {arm(), isl(), ankle()}) {
       CAPTURE(model.root.name());
@@ -368,7 +369,7 @@ TEST_CASE("with the readings' noise carried through the chain, residuals have un
        {"isl-bonny-2013/model.xml", "arm-6r/model.xml", "device-nordquist-2009/model.xml"}) {
     CAPTURE(file);
     Model model = model_of(shipped(file));
-    if (std::string(file) == "arm-6r/model.xml")  // so that the readings' noise counts most
+    if (std::string(file) == "arm-6r/model.xml")
       for (int i = 1; i <= 6; ++i) set(model, "encoder" + std::to_string(i) + ".sigma", "0.01");
     const Program program = program_of(model);
     const int poses = 4000;

@@ -95,7 +95,9 @@ TEST_CASE("chi-square of the rigid fit is what another program found") {
                                                   {"cal3", "device-nordquist-2009"},
                                                   {"ankle2", "ankle-storey-2006"},
                                                   {"knee2", "knee-two-axis"}};
-  for (const auto& [id, key] : keys.items()) {
+  for (const auto& item : keys.items()) {
+    const std::string id = item.key();
+    const nlohmann::json& key = item.value();
     CAPTURE(id);
     const std::string device = key["device"];
     const std::string file = beside + "cases/" + device + "/" + id + "/recordings.csv";

@@ -105,8 +105,8 @@ TEST_CASE("what is wrong with an expression, in these very words") {
   expected a number)"},
       {"2*q9", R"(arm.xml:3:12: 'q9' is unknown)"},
   };
-  for (const auto& [text, expected] : cases) {
-    CAPTURE(text);
-    CHECK(complaint(text) == expected);
+  for (const auto& c : cases) {
+    CAPTURE(c.first);
+    CHECK(complaint(c.first) == c.second);
   }
 }
