@@ -8,6 +8,9 @@
 
 namespace talus {
 
+// Priors are in units of the noise, which is 1 where it is stated.
+double Problem::Inside::latent_tolerance(int i) const { return *latent_prior[i].tolerance / std::sqrt(noise_variance_of_rows); }
+
 RowTransform Problem::Inside::whitening(int b) const {
   return {dense ? RowTransform::Kind::dense : RowTransform::Kind::diagonal, &weights[b * weight_block()]};
 }
@@ -54,7 +57,7 @@ void Problem::Inside::solve_latent(Bench& bench, int b) {
     double sum = 0;
     for (int i = 0; i < n; ++i)
       if (latent_prior[i].tolerance)
-        sum += std::pow((bench.state[i * lanes + lane] - latent_prior[i].value) / *latent_prior[i].tolerance, 2);
+        sum += std::pow((bench.state[i * lanes + lane] - latent_prior[i].value) / latent_tolerance(i), 2);
     return sum;
   };
   for (int l = 0; l < lanes; ++l) cost[l] = bench.squares[l] + prior(l), done[l] = l >= count;
@@ -77,7 +80,7 @@ void Problem::Inside::solve_latent(Bench& bench, int b) {
           H(i, j) = H(j, i) = sum;
         }
         if (latent_prior[i].tolerance) {
-          const double t = *latent_prior[i].tolerance;
+          const double t = latent_tolerance(i);
           H(i, i) += 1 / (t * t);
           g[i] += (bench.state[i * lanes + l] - latent_prior[i].value) / (t * t);
         }
@@ -89,7 +92,11 @@ void Problem::Inside::solve_latent(Bench& bench, int b) {
         done[l] = true;
         continue;
       }
-      for (int i = 0; i < n; ++i) bench.state[i * lanes + l] += move[i];
+      for (int i = 0; i < n; ++i) {
+        double& value = bench.state[i * lanes + l];
+        value += move[i];
+        if (const auto& bounds = latent_prior[i].bounds) value = std::clamp(value, bounds->first, bounds->second);
+      }
       moved = true;
     }
     if (!moved) break;
@@ -188,7 +195,7 @@ RowTransform Problem::Inside::transform(Bench& bench, int b, bool on) {
         for (int q = 0; q < m; ++q) u[q] = bench.columns[(static_cast<std::size_t>(i) * m + q) * lanes + l];
         if (pass == 0) {
           // (I + t^2 u u^T)^-1/2 = I - c u u^T, in the coordinates of what was done before.
-          const double t2 = std::pow(*latent_prior[i].tolerance, 2);
+          const double t2 = std::pow(latent_tolerance(i), 2);
           r -= u * (bench.state[i * lanes + l] - latent_prior[i].value);
           const double uu = u.squaredNorm(), c = uu > 0 ? (1 - 1 / std::sqrt(1 + t2 * uu)) / uu : 0;
           const Eigen::RowVectorXd uA = u.transpose() * A;
@@ -238,7 +245,7 @@ double Problem::Inside::batch_cost(const Bench& bench, int b) const {
   for (std::size_t i = 0; i < n; ++i)
     if (latent_prior[i].tolerance)
       for (int l = 0; l < data.batch(b).count; ++l)
-        sum += std::pow((bench.state[i * lanes + l] - latent_prior[i].value) / *latent_prior[i].tolerance, 2);
+        sum += std::pow((bench.state[i * lanes + l] - latent_prior[i].value) / latent_tolerance(i), 2);
   return sum / 2;
 }
 

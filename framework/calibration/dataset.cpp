@@ -30,6 +30,9 @@ Groups::Groups(const Program& program, const Recordings& recordings) {
       std::vector<double> key;
       std::string label;
       for (const RecordedColumn* c : columns) {
+        if (std::isnan(c->values[row]))
+          throw InputError({recordings.file, recordings.lines[row], 0}, fmt::format("column '{}' is empty", c->name),
+                           fmt::format("a value, since unknown '{}' is shared by its groups", unknown.name));
         key.push_back(c->values[row]);
         label += fmt::format("{}{}={:g}", label.empty() ? "" : ", ", c->name, c->values[row]);
       }

@@ -83,6 +83,7 @@ std::string differences(const Problem& problem, const std::vector<double>& x, co
 
 // Is the normal matrix so ill-conditioned that squaring loses what the data say, without being plainly singular?
 bool wants_qr(Problem& problem, std::span<const double> x) {
+  if (problem.size() == 0 || !problem.groups().shared.empty()) return false;
   const Eigen::MatrixXd F = problem.normal(x).factor;
   const auto n = F.cols() - 1;
   Eigen::MatrixXd J = F.leftCols(n);
@@ -108,16 +109,32 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
   if (problem.data().used() == 0) throw InputError({recordings.file, 0, 0}, "no row has all the values that a residual needs");
   const bool robust = program.settings.objective == Objective::as_published || program.settings.loss != LossKind::none;
 
+  // From a start to a solution; each pose's own unknowns are tried from several starts of their own.
+  auto solve_from = [&](std::vector<double>& at) {
+    problem.reset_latent_values();
+    SolveReport found = solve_in_stages(problem, at, options, robust);
+    if (problem.latents() > 0 && std::isfinite(found.final_cost)) {
+      problem.scatter_latents(at, options.seed);
+      if (problem.cost(at) < found.final_cost * (1 - 1e-9) - 1e-9) {
+        const int before = found.iterations;
+        found = solve_in_stages(problem, at, options, robust);
+        found.iterations += before;
+      }
+    }
+    return found;
+  };
   std::vector<double> x = problem.start();
   problem.set_qr(options.solver == FitOptions::Solver::qr);
-  SolveReport report = solve_in_stages(problem, x, options, robust);
+  if (options.solver == FitOptions::Solver::qr && !problem.qr())
+    fit.warnings.push_back("Unknowns shared by groups of rows are solved by normal equations; QR was not used.");
+  SolveReport report = solve_from(x);
   if (!std::isfinite(report.final_cost))
     throw InputError({recordings.file, 0, 0}, "the model cannot be evaluated on these recordings: " + report.stopped,
                      "readings and nominal values for which every formula has a value (no triangle that does not close)");
   if (options.solver == FitOptions::Solver::automatic && wants_qr(problem, x)) {
     problem.set_qr(true);
     const int before = report.iterations;
-    report = solve_in_stages(problem, x, options, robust);
+    report = solve_from(x);
     report.iterations += before;
   }
 
@@ -125,8 +142,16 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
   struct Solution {
     SolveReport report;
     std::vector<double> x;
+    Buffer latent;
+    double noise_variance;
   };
-  std::vector<Solution> solutions{{report, x}};
+  std::vector<Solution> solutions;
+  // Costs can be compared where the priors weigh the same.
+  auto keep = [&](const SolveReport& found, const std::vector<double>& at) {
+    solutions.push_back({found, at, problem.latent_values(), problem.noise_variance()});
+    if (!problem.noise_known() && std::isfinite(found.final_cost)) solutions.back().report.final_cost = problem.information(at).cost;
+  };
+  keep(report, x);
   std::size_t best = 0;
   std::mt19937_64 random(options.seed);
   std::normal_distribution<double> normal;
@@ -142,14 +167,16 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
       for (std::size_t i = 0; i < step.size(); ++i) other[i] = problem.start()[i] + scale * step[i];
       if (std::isfinite(problem.cost(other))) break;
     }
-    const SolveReport again = solve_in_stages(problem, other, options, robust);
+    keep(solve_from(other), other);
     const double least = solutions[best].report.final_cost;
-    if (again.final_cost < least - 1e-6 * least - 1e-9) best = solutions.size();
-    solutions.push_back({again, other});
+    if (solutions.back().report.final_cost < least - 1e-6 * least - 1e-9) best = solutions.size() - 1;
   }
   x = solutions[best].x;
+  problem.set_latent_values(solutions[best].latent);
+  problem.set_noise_variance(solutions[best].noise_variance);
   report = solutions[best].report;
-  const double scale = std::max(1.0, report.final_cost / std::max<double>(1, static_cast<double>(problem.data().used())));
+  const double per_row = report.final_cost / std::max<double>(1, static_cast<double>(problem.data().used()));
+  const double scale = problem.noise_known() ? std::max(1.0, per_row) : std::max(1e-300, per_row);
   if (const double nominal = solutions[0].report.final_cost; report.final_cost < nominal - 0.5 * scale)
     fit.warnings.push_back(fmt::format("A scattered start reached a better minimum (cost {:.6g} instead of {:.6g}); the nominal "
                                        "values lead to a local one. The better one was taken.", report.final_cost, nominal));
@@ -184,13 +211,21 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
   fit.rows_missing = problem.data().missing();
 
   // Degrees of freedom: rows, less the unknowns of each pose, less what the parameters took.
-  fit.seen = identify(problem, x, 1, program.units);
-  const double latent = static_cast<double>(problem.latents()) * static_cast<double>(split.fit.size());
-  fit.dof = std::max(1.0, static_cast<double>(fit.rows_fit) - latent - fit.seen.effective);
-  fit.noise_scale = std::sqrt(fit.chi2 / fit.dof);
+  const double noise = problem.noise_known() ? 1 : std::sqrt(std::max(problem.noise_variance(), 1e-300));
+  fit.seen = identify(problem, x, noise, program.units);
+  const double rows = static_cast<double>(fit.rows_fit), latent = problem.latent_freedom(x);
+  fit.expected_rms = std::sqrt(std::max(0.0, 1 - latent / rows));
+  fit.dof = rows - latent - fit.seen.effective;
+  if (fit.dof < 0.5) {
+    fit.warnings.push_back(fmt::format("{} residuals for {:.0f} numbers that they determine: nothing is left to judge the fit by.", fit.rows_fit,
+                                       latent + fit.seen.effective));
+    fit.dof = 0;
+  }
+  fit.noise_scale = fit.dof > 0 && fit.chi2 > 0 ? std::sqrt(fit.chi2 / fit.dof) : 1;
   fit.chi2_p = fit.noise_known ? chi2_tail(fit.chi2, fit.dof) : 1;
   if (!fit.noise_known) {
-    fit.seen = identify(problem, x, fit.noise_scale, program.units);
+    if (fit.dof > 0 && fit.chi2 > 0) fit.seen = identify(problem, x, fit.noise_scale, program.units);
+    else fit.seen.std.setConstant(std::numeric_limits<double>::quiet_NaN());  // no noise to go by
     fit.fit_rms /= fit.noise_scale;
   }
 
@@ -211,7 +246,10 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
       }
     check.set_robust(false);
     check.set_weights(y);
+    check.set_noise_variance(problem.noise_variance());
+    check.scatter_latents(y, options.seed);
     if (!y.empty()) solve(check, y, held);
+    fit.rows_missing += check.data().missing();
     fit.residuals_check = check.residuals(y);
     fit.measures_check = measures(program, fit.residuals_check.raw, fsr);
     fit.heldout_rms = rms(fit.residuals_check.whitened, fit.residuals_check.raw) / (fit.noise_known ? 1 : fit.noise_scale);
@@ -222,13 +260,23 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
   }
 
   const std::vector<std::string> names = problem.names();
+  double farthest = 0;
+  std::string far;
   for (int i = 0; i < problem.size(); ++i) {
     const Quantity& q = problem.quantity(i);
     FittedValue v{names[i], problem.dimension(i), q.value, x[i], fit.seen.std[i], q.tolerance, fit.seen.identifiable[i]};
+    v.held_out = !problem.occurs(i);
     v.at_bound = q.bounds && (x[i] <= q.bounds->first || x[i] >= q.bounds->second);
+    const double away = v.tolerance ? std::abs(v.value - v.nominal) / *v.tolerance : 0;
+    if (away > 10 && away > farthest) farthest = away, far = v.name;
     if (v.at_bound) fit.warnings.push_back(fmt::format("{} ended at its bound.", v.name));
     (i < static_cast<int>(program.parameters.size()) ? fit.parameters : fit.shared).push_back(std::move(v));
   }
+  if (!far.empty())
+    fit.warnings.push_back(fmt::format("{} ended {:.3g} tolerances from its nominal value: is a column, a unit, a sign or the tolerance wrong?", far, farthest));
+  if (split.check.size() > 0 && fit.heldout_rms > 3 * fit.fit_rms)
+    fit.warnings.push_back(fmt::format("The rows held out fit {:.3g} times worse than those fitted: bad rows among them, or a model that does not carry over.",
+                                       fit.heldout_rms / fit.fit_rms));
   if (!fit.converged) fit.warnings.push_back("The solver did not converge: " + fit.stopped + ".");
   if (fit.noise_known && fit.chi2_p < 1e-3)
     fit.warnings.push_back(fmt::format("What is left is {:.3g} times the stated noise (chi-square {:.4g} on {:.0f} degrees of freedom): the model "

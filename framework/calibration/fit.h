@@ -37,6 +37,7 @@ struct FittedValue {
   std::optional<double> tolerance;
   bool identifiable = true;
   bool at_bound = false;
+  bool held_out = false;  // of a group that has held-out rows only: found for judging, not a result of the fit
 };
 
 struct Fit {
@@ -46,6 +47,7 @@ struct Fit {
   std::size_t poses_fit = 0, poses_check = 0, rows_fit = 0, rows_missing = 0;
   std::vector<Measure> measures_fit, measures_check;
   double fit_rms = 0, heldout_rms = 0;  // of rows divided by their sigmas (or by the estimated noise)
+  double expected_rms = 1;  // of rows explained by the instruments: below 1 where unknowns of each pose take their share
   bool noise_known = true;
   double chi2 = 0, dof = 0, chi2_p = 1, noise_scale = 1;  // estimated / stated noise
   Identifiability seen;

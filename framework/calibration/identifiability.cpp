@@ -90,25 +90,29 @@ Identifiability identify(Problem& problem, std::span<const double> x, double noi
     size[i] = typical_size(problem.quantity(own[i]), problem.dimension(own[i]));
     J.col(i) = factor.col(own[i]).head(all) * size[i] / noise_scale;
   }
+  if (!J.allFinite()) return result;
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeThinU | Eigen::ComputeFullV);
   result.singular = svd.singularValues();
   for (int i = 0; i < n; ++i) result.seen += result.singular[i] >= 1;
   const Eigen::MatrixXd unseen = svd.matrixV().rightCols(n - result.seen);
 
-  // Uncertainty with priors, in scaled coordinates.
+  // Uncertainty with priors, scaled to a unit diagonal so that no tolerance, however wide, drowns the others.
   Eigen::MatrixXd H = J.transpose() * J;
   for (int i = 0; i < n; ++i)
     if (problem.quantity(own[i]).tolerance) H(i, i) += 1;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(H);
-  const double floor = 1e-12 * std::max(1.0, eigen.eigenvalues().maxCoeff());
+  Eigen::VectorXd unit(n);
+  for (int i = 0; i < n; ++i) unit[i] = H(i, i) > 0 ? 1 / std::sqrt(H(i, i)) : 0;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(unit.asDiagonal() * H * unit.asDiagonal());
+  const double floor = 1e-14 * n;
   for (int i = 0; i < n; ++i) {
-    double variance = 0;
+    double variance = unit[i] > 0 ? 0 : std::numeric_limits<double>::infinity();
+    double seen_part = 0;
     for (int k = 0; k < n; ++k) {
       const double value = eigen.eigenvalues()[k], part = eigen.eigenvectors()(i, k) * eigen.eigenvectors()(i, k);
-      if (value > floor) variance += part / value;
+      if (value > floor) variance += part / value * unit[i] * unit[i], seen_part += part;
       else if (part > 1e-6) variance = std::numeric_limits<double>::infinity();
-      if (value > floor) result.effective += part * (problem.quantity(own[i]).tolerance ? 1 - 1 / value : 1);
     }
+    result.effective += problem.quantity(own[i]).tolerance ? (std::isfinite(variance) ? 1 - variance : 0) : seen_part;
     result.std[own[i]] = std::sqrt(variance) * size[i];
     result.identifiable[own[i]] = unseen.row(i).squaredNorm() < 0.01;
   }

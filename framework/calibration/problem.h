@@ -54,6 +54,14 @@ class Problem {
   bool occurs(int i) const;  // false for an instance of a group unknown that has no row here
 
   void set_robust(bool on);
+  // The latent unknowns' values belong to a solution as x does: they are where the next evaluation starts from.
+  Buffer latent_values() const;
+  void set_latent_values(const Buffer& values);
+  void reset_latent_values();                       // back to their start
+  // Tries further starts of each pose's unknowns at x and keeps what fits better.
+  void scatter_latents(std::span<const double> x, std::uint64_t seed);
+  double latent_freedom(std::span<const double> x);  // rows' worth of freedom that the latent unknowns take
+  double noise_variance() const;
   // Where the noise is not stated, priors weigh in units of the estimated one: the variance of a weighted row.
   void set_noise_variance(double variance);
   void set_qr(bool on);    // accumulate by QR instead of Gram matrices

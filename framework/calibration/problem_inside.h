@@ -36,6 +36,7 @@ struct Problem::Inside {
   std::vector<Dimension> dimensions;
   std::vector<int> offset;            // of each shared unknown's instances in x
   std::vector<Quantity> latent_prior;
+  std::vector<Dimension> latent_dimensions;
   bool robust = true, qr = false, dense = false;
   double noise_variance_of_rows = 1;
   Buffer weights;                     // per batch: [row][lane], or [row][row][lane] where dense
@@ -57,6 +58,7 @@ struct Problem::Inside {
   RowTransform whitening(int b) const;
 
   void fill_weights();
+  double latent_tolerance(int latent) const;
 
   // batch.cpp
   void load_state(Bench& bench, int b, std::span<const double> x) const;

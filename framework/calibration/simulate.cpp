@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "framework/calibration/identifiability.h"
 #include "framework/calibration/problem.h"
 #include "framework/kinematics/tape_values.h"
 #include "framework/model/quantity.h"
@@ -115,7 +116,7 @@ std::vector<Coordinate> coordinates(const Program& program) {
   for (const Unknown& u : program.unknowns) {
     list.push_back({u.name, u.name, u.dimension, u.start.value, {}});
     if (!u.per.empty()) continue;
-    if (u.start.bounds) list.back().range = u.start.bounds;
+    if (u.start.bounds && std::isfinite(u.start.bounds->first) && std::isfinite(u.start.bounds->second)) list.back().range = u.start.bounds;
     else if (u.dimension == angle) list.back().range = turn;
   }
   return list;
@@ -171,9 +172,14 @@ Settings grid_settings(const Program& program, const std::string& grid) {
     if (words.size() != 3) throw InputError(place, fmt::format("'{}'", values), "first:last:step");
     const double first = value(words[0]), last = value(words[1]), step = value(words[2]);
     if (!(step > 0) || last < first) throw InputError(place, fmt::format("'{}'", values), "first below last, and a step above zero");
-    for (int i = 0; i <= static_cast<int>(std::floor((last - first) / step + 1e-9)); ++i) axis.push_back(first + i * step);
+    const double count = std::floor((last - first) / step + 1e-9);
+    if (count > 1e6) throw InputError(place, fmt::format("'{}' makes {:.3g} values", values, count + 1), "at most a million");
+    for (int i = 0; i <= static_cast<int>(count); ++i) axis.push_back(first + i * step);
   }
   Settings settings{{{}}};
+  double size = 1;
+  for (const auto& axis : axes) size *= static_cast<double>(axis.size());
+  if (size > 1e6) throw InputError(place, fmt::format("{:.3g} poses", size), "at most a million");
   for (const auto& axis : axes) {
     std::vector<std::vector<double>> next;
     for (const auto& pose : settings.poses)
@@ -203,6 +209,11 @@ Settings settings_from(Program& program, const Recordings& recordings, int threa
   program.readings.clear();
   program.unknowns.clear();
   for (const Reading& r : readings) program.unknowns.push_back({r.sensor, r.dimension, {}, {}, r.place, r.slot});
+  for (Unknown u : unknowns) {  // the model's own unknowns stay at their start
+    u.per.clear();
+    u.start.tolerance = 1e-9 * typical_size(u.start, u.dimension);
+    program.unknowns.push_back(std::move(u));
+  }
   std::vector<std::size_t> rows(recordings.rows());
   for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = k;
   ProblemOptions options;
@@ -271,8 +282,14 @@ Recordings simulate(const Program& program, const Settings& settings, const Simu
       slots[program.readings[i].slot] = settings.poses[k][i];
       out.columns[next++].values.push_back(settings.poses[k][i] + program.readings[i].sigma * gauss());
     }
-    for (std::size_t f = 0; f < program.features.size(); ++f)
-      for (double v : show(program.features[f], chains[f](slots), gauss)) out.columns[next++].values.push_back(v);
+    for (std::size_t f = 0; f < program.features.size(); ++f) {
+      const std::vector<double> shown = show(program.features[f], chains[f](slots), gauss);
+      if (shown.size() != program.features[f].columns.size())
+        throw InputError(program.features[f].place, fmt::format("feature '{}' cannot be simulated: it measures {} columns", program.features[f].name,
+                                                                 program.features[f].columns.size()),
+                         fmt::format("{} columns, as a {} has", shown.size(), to_string(program.features[f].kind)));
+      for (double v : shown) out.columns[next++].values.push_back(v);
+    }
   }
   // As many digits as an instrument shows; without noise, all of them.
   if (options.noise > 0)

@@ -41,7 +41,7 @@ std::string chain_text(const Program& program) {
 void run(const std::string& model_file, const std::string& recordings_file, const Common& common) {
   Registry registry = common.registry();
   const Program program = compile(open_model(model_file, registry, common), registry);
-  if (!common.quiet) fmt::print("{}\n{}", program.name, chain_text(program));
+  fmt::print("{}\n{}", program.name, chain_text(program));
   if (recordings_file.empty()) return;
   const Recordings recordings = read_recordings(recordings_file);
   std::vector<std::size_t> rows(recordings.rows());

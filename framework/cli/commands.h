@@ -28,6 +28,8 @@ void add_common(CLI::App& command, Common& common, bool model, bool results);
 Model open_model(const std::string& file, Registry& registry, const Common& common);
 
 // Writes to a file beside which nothing is left half done, or to standard output for "-".
+// Early, before anything is computed: InputError where `file` could not be written.
+void check_writable(const std::string& file);
 void put(const std::string& file, const std::string& text);
 
 void add_check(CLI::App& app);

@@ -15,12 +15,15 @@ struct Options {
 };
 
 void run(const Options& o) {
+  check_writable(o.file);
   Registry registry = o.common.registry();
   Program program = compile(open_model(o.model, registry, o.common), registry);
   Settings settings;
   if (!o.grid.empty()) {
     settings = grid_settings(program, o.grid);
-  } else if (o.poses.find_first_not_of("0123456789") == std::string::npos) {
+  } else if (!o.poses.empty() && o.poses.find_first_not_of("0123456789") == std::string::npos) {
+    if (o.poses.size() > 7 || std::stoi(o.poses) == 0 || std::stoi(o.poses) > 1000000)
+      throw InputError({"--poses " + o.poses, 0, 0}, "no such number of poses", "1 to 1000000, or a CSV file");
     settings = random_settings(program, std::stoi(o.poses), o.common.seed);
   } else {
     settings = settings_from(program, read_recordings(o.poses), o.common.thread_count());
@@ -38,11 +41,11 @@ void add_simulate(CLI::App& app) {
   command->add_option("model", o->model, "model file (.xml or .lua)")->required();
   command->add_option("--poses", o->poses, "how many random poses, or a CSV file with the readings or with the frames to reach")->capture_default_str();
   command->add_option("--grid", o->grid, "every combination: \"encoder1=-20:20:10; encoder2=0,30,60\"");
-  command->add_option("--noise", o->noise, "times the stated sigmas")->capture_default_str();
+  command->add_option("--noise", o->noise, "times the stated sigmas")->check(CLI::NonNegativeNumber)->capture_default_str();
   command->add_option("--recordings", o->file, "file to write (- for standard output)")->capture_default_str();
   add_common(*command, o->common, true, false);
   command->add_option("--seed", o->common.seed, "seed of all random choices")->capture_default_str();
-  command->add_option("--threads", o->common.threads, "threads");
+  command->add_option("--threads", o->common.threads, "threads")->check(CLI::Range(1, 1024));
   command->callback([o] { run(*o); });
 }
 

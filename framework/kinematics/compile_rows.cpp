@@ -73,7 +73,9 @@ void Compiler::feature(const Element& element) {
         if (auto unit = parse_unit(std::string_view(words[i].text).substr(letter))) dimension = unit->dimension;
       const double value = parse_quantity(words[i].text, dimension, program_.units, words[i].place).value;
       if (!(value > 0)) throw InputError(words[i].place, fmt::format("sigma '{}'", words[i].text), "more than zero");
-      (dimension == length ? f.sigma_length : dimension == angle ? f.sigma_angle : f.sigma_number) = value;
+      auto& target = dimension == length ? f.sigma_length : dimension == angle ? f.sigma_angle : f.sigma_number;
+      if (target) throw InputError(words[i].place, fmt::format("a second sigma for {}", describe(dimension)), "one of each kind");
+      target = value;
     }
   }
   program_.features.push_back(std::move(f));
@@ -119,6 +121,9 @@ void Compiler::calibrate(const Element& element) {
       throw InputError(w->place, fmt::format("{} weights for {} residuals", words.size(), residuals.size()), "one weight per residual");
     for (std::size_t i = 0; i < words.size(); ++i) weights[i] = positive_number(words[i], "weight");
     s.weighted = true;
+    if (std::all_of(weights.begin(), weights.end(), [](double v) { return v == 0; })) throw InputError(w->place, "all weights are zero", "one above zero");
+  } else if (s.weighted) {
+    throw InputError(element.place, "one <calibrate> has weights, this one has none", "weights in all or in none");
   }
   if (const Attribute* g = element.find("group"))
     for (const Attribute& word : split_list(*g)) s.groups.push_back(word.text);
@@ -137,6 +142,7 @@ void Compiler::calibrate(const Element& element) {
     const Attribute& a = *element.find("loss");
     if (const std::size_t space = a.text.find(' '); space != std::string::npos)
       s.loss_scale = positive_number({a.name, a.text.substr(space + 1), a.place}, "loss scale");
+    if (s.loss_scale == 0) throw InputError(a.place, fmt::format("loss=\"{}\"", a.text), "a scale above zero, in sigmas");
   }
   for (std::size_t r = 0; r < residuals.size(); ++r) {
     const std::string& tag = residuals[r].text;
@@ -182,7 +188,8 @@ void Compiler::default_rows() {
     const Feature& feature = program_.features[f];
     for (const std::string& tag : registry_.find(feature.tag)->declaration.residuals) {
       const Plugin* plugin = registry_.find(tag, Family::residual);
-      if (!plugin) continue;
+      if (!plugin)
+        throw InputError(feature.place, fmt::format("feature '{}' is judged by residual '{}', which is not registered", feature.tag, tag));
       std::vector<Expr> values;
       for (const Input& i : plugin->declaration.inputs) values.push_back(Expr(i.otherwise));
       program_.terms.push_back(tag);
@@ -232,6 +239,17 @@ std::vector<std::vector<int>> row_support(const Program& program) {
   return result;
 }
 
+// Of one feature, rows with and without a sigma cannot be weighed against each other.
+void Compiler::check_sigmas() const {
+  if (program_.settings.weighted) return;
+  for (const Row& row : program_.rows) {
+    const Feature& f = program_.features[row.feature];
+    if (!row.sigma && (f.sigma_length || f.sigma_angle || f.sigma_number))
+      throw InputError(f.place, fmt::format("'{}' has no sigma for {}, but one of another kind", f.name, describe(row.dimension)),
+                       "a sigma of each kind, such as sigma=\"0.005 mm, 0.002 deg\", or none");
+  }
+}
+
 Program Compiler::run() {
   frames();
   for (const Element& e : model_.root.children) {
@@ -245,6 +263,7 @@ Program Compiler::run() {
     if (e.tag == "calibrate") calibrate(e), any = true;
   if (!any) default_rows();
   check_seen();
+  check_sigmas();
   return std::move(program_);
 }
 

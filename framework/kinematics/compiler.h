@@ -44,6 +44,7 @@ class Compiler {
   void add_rows(const std::string& residual, int feature, const std::vector<Expr>& inputs, double weight,
                 int term);
   void check_seen() const;
+  void check_sigmas() const;
 
   const Model& model_;
   const Registry& registry_;

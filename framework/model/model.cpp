@@ -15,6 +15,14 @@ std::string Element::text(std::string_view attribute, std::string_view otherwise
   return a ? a->text : std::string(otherwise);
 }
 
+Element* Element::find_named(std::string_view name) {
+  for (Element& child : children) {
+    if (child.name() == name) return &child;
+    if (Element* found = child.find_named(name)) return found;
+  }
+  return nullptr;
+}
+
 void Element::set(std::string_view attribute, std::string text) {
   for (Attribute& a : attributes)
     if (a.name == attribute) {

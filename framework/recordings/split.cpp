@@ -66,12 +66,11 @@ const RecordedColumn& column(const Recordings& recordings, const std::string& na
 std::vector<int> groups(const Recordings& recordings, const SplitOptions& options) {
   const std::size_t n = recordings.rows();
   Sets sets(n);
-  if (!options.group_columns.empty()) {
+  for (const std::vector<std::string>& together : options.group_columns) {
     std::map<std::vector<double>, std::size_t> first;
     for (std::size_t row = 0; row < n; ++row) {
       std::vector<double> key;
-      for (const std::string& name : options.group_columns)
-        key.push_back(column(recordings, name).values[row]);
+      for (const std::string& name : together) key.push_back(column(recordings, name).values[row]);
       if (std::none_of(key.begin(), key.end(), [](double x) { return std::isnan(x); }))
         sets.join(first.try_emplace(key, row).first->second, row);
     }

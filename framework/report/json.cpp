@@ -28,7 +28,7 @@ Json list(const std::vector<FittedValue>& values, const UnitSystem& units) {
     out.push_back({{"name", v.name}, {"unit", unit.text}, {"nominal", v.nominal / unit.factor}, {"value", v.value / unit.factor},
                    {"difference", (v.value - v.nominal) / unit.factor}, {"std", value(v.std / unit.factor)},
                    {"tolerance", v.tolerance ? Json(*v.tolerance / unit.factor) : Json(nullptr)},
-                   {"identifiable", v.identifiable}, {"at_bound", v.at_bound}});
+                   {"identifiable", v.identifiable}, {"at_bound", v.at_bound}, {"held_out", v.held_out}});
   }
   return out;
 }
@@ -38,7 +38,7 @@ Json list(const std::vector<FittedValue>& values, const UnitSystem& units) {
 std::string json_report(const Program& program, const Fit& fit, const ReportContext& context) {
   const UnitSystem& units = program.units;
   Json baseline{{"fit_rms", value(fit.fit_rms)}, {"heldout_rms", value(fit.heldout_rms)},
-                {"chi2", value(fit.chi2)}, {"dof", value(fit.dof)}, {"chi2_dof", value(fit.chi2 / fit.dof)},
+                {"expected_rms", value(fit.expected_rms)}, {"chi2", value(fit.chi2)}, {"dof", value(fit.dof)}, {"chi2_dof", value(fit.chi2 / fit.dof)},
                 {"p_value", value(fit.chi2_p)}, {"noise_known", fit.noise_known}, {"noise_scale", value(fit.noise_scale)},
                 {"measures", list(fit.measures_check, units)}, {"measures_fit", list(fit.measures_fit, units)},
                 {"parameters", list(fit.parameters, units)}, {"shared", list(fit.shared, units)},

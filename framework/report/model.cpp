@@ -7,20 +7,12 @@
 namespace talus {
 namespace {
 
-Element* find_named(Element& element, const std::string& name) {
-  for (Element& child : element.children) {
-    if (child.name() == name) return &child;
-    if (Element* found = find_named(child, name)) return found;
-  }
-  return nullptr;
-}
-
 // The owner of a parameter as the compiler calls it: a name, or for a <calibrate> its number.
 Element* find_owner(Element& root, const std::string& owner) {
   int number = 0;
   for (Element& child : root.children)
     if (child.tag == "calibrate" && ++number && owner == "calibrate" + (number == 1 ? "" : std::to_string(number))) return &child;
-  return find_named(root, owner);
+  return root.find_named(owner);
 }
 
 }  // namespace
@@ -40,6 +32,14 @@ Model calibrated_model(const Model& model, const Program& program, const Fit& fi
 }
 
 void write_file(const std::string& file, const std::string& text) {
+  std::error_code error;
+  if (const auto status = std::filesystem::status(file, error); std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    std::ofstream out(file, std::ios::binary);  // a device or a pipe: nothing to rename over
+    out << text;
+    out.flush();
+    if (!out) throw InputError({file, 0, 0}, "cannot be written");
+    return;
+  }
   const std::string beside = file + ".part";
   {
     std::ofstream out(beside, std::ios::binary);
@@ -51,9 +51,12 @@ void write_file(const std::string& file, const std::string& text) {
       throw InputError({file, 0, 0}, "cannot be written");
     }
   }
-  std::error_code error;
   std::filesystem::rename(beside, file, error);
-  if (error) throw InputError({file, 0, 0}, "cannot be written: " + error.message());
+  if (error) {
+    std::error_code ignored;
+    std::filesystem::remove(beside, ignored);
+    throw InputError({file, 0, 0}, "cannot be written: " + error.message());
+  }
 }
 
 }  // namespace talus

@@ -44,7 +44,7 @@ std::string measure_table(const std::vector<Measure>& list, const UnitSystem& un
 std::string distances(const Program& program, const std::vector<Measure>& list) {
   std::string out;
   for (std::size_t i = 0; i + 2 < list.size(); ++i) {
-    if (!(list[i].dimension == length) || !list[i].name.ends_with(".x") || !list[i + 2].name.ends_with(".z")) continue;
+    if (list[i].count == 0 || !(list[i].dimension == length) || !list[i].name.ends_with(".x") || !list[i + 2].name.ends_with(".z")) continue;
     double sum = 0;
     for (std::size_t k = i; k < i + 3; ++k) sum += list[k].rmse * list[k].rmse;
     const Unit unit = program.units.of(length);
@@ -54,7 +54,8 @@ std::string distances(const Program& program, const std::vector<Measure>& list) 
   return out;
 }
 
-std::string parameter_table(const std::vector<FittedValue>& list, const UnitSystem& units, std::size_t most) {
+std::string parameter_table(std::vector<FittedValue> list, const UnitSystem& units, std::size_t most) {
+  std::erase_if(list, [](const FittedValue& v) { return v.held_out; });
   std::size_t width = 9;
   for (const FittedValue& v : list) width = std::max(width, v.name.size());
   std::string out = fmt::format("  {:<{}} {:>13} {:>13} {:>13} {:>12}  {}\n", "parameter", width, "nominal", "calibrated", "difference",
@@ -86,8 +87,8 @@ std::string text_report(const Program& program, const Fit& fit, const ReportCont
   out += "\nErrors on fitted rows\n" + measure_table(fit.measures_fit, units) + distances(program, fit.measures_fit);
   if (fit.rows_missing) out += fmt::format("  {} residuals were left out because a value is missing\n", fit.rows_missing);
   const char* divisor = fit.noise_known ? "stated sigmas" : "noise estimated from the fit";
-  out += fmt::format("\nResiduals in {}: {:.4g} fitted, {} held out (1 = explained by the instruments)\n", divisor, fit.fit_rms,
-                     cell(fit.heldout_rms, 4));
+  out += fmt::format("\nResiduals in {}: {} fitted, {} held out ({:.3g} = explained by the instruments)\n", divisor,
+                     figure(fit.fit_rms), figure(fit.heldout_rms), fit.expected_rms);
   if (fit.noise_known) out += fmt::format("Chi-square {:.5g} on {:.0f} degrees of freedom, p = {:.2g}\n", fit.chi2, fit.dof, fit.chi2_p);
   const Identifiability& s = fit.seen;
   out += fmt::format("Identifiability: {} of {} directions seen", s.seen, s.singular.size());

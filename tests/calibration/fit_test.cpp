@@ -174,7 +174,7 @@ TEST_CASE("groups stay whole between fit and check, and unknowns of held-out gro
   }
   add_column(recordings, "session", session);
   SplitOptions options;
-  options.group_columns = {"session"};
+  options.group_columns = {{"session"}};
   const Split split = split_rows(recordings, options);
   std::set<double> fitted, held;
   for (std::size_t k : split.fit) fitted.insert(session[k]);

@@ -35,7 +35,7 @@ Figures figures(const std::string& model_file, const std::string& data, double p
   for (int seed = 1; seed <= seeds; ++seed) {
     SplitOptions options;
     options.seed = static_cast<std::uint64_t>(seed);
-    options.group_columns = groups;
+    if (!groups.empty()) options.group_columns = {groups};
     for (const Reading& r : program.readings) options.reading_columns.push_back(r.column);
     const Split split = split_rows(recordings, options);
     const Fit fit = calibrate(program, recordings, split, {.threads = 2, .restarts = 1});

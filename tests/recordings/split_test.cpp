@@ -85,17 +85,19 @@ TEST_CASE("rows with equal ids stay together") {
   std::vector<double> star, night;
   for (int i = 0; i < 200; ++i) star.push_back(i % 23), night.push_back(i % 2);
   const Recordings r = table({{"star", star}, {"night", night}});
-  const Split by_star = split_rows(r, {.group_columns = {"star"}});
+  const Split by_star = split_rows(r, {.group_columns = {{"star"}}});
   check_whole(by_star, 200);
   CHECK(*std::max_element(by_star.group.begin(), by_star.group.end()) == 22);
   CHECK(by_star.group[0] == by_star.group[23]);
   CHECK(by_star.group[0] != by_star.group[1]);
-  const Split by_both = split_rows(r, {.group_columns = {"star", "night"}});
+  const Split by_both = split_rows(r, {.group_columns = {{"star", "night"}}});
   CHECK(*std::max_element(by_both.group.begin(), by_both.group.end()) == 45);
   CHECK(by_both.group[0] != by_both.group[23]);
   CHECK(by_both.group[0] == by_both.group[46]);
+  const Split by_either = split_rows(r, {.group_columns = {{"star"}, {"night"}}});  // stars link the nights
+  CHECK(*std::max_element(by_either.group.begin(), by_either.group.end()) == 0);
   CHECK_THROWS_WITH_AS(
-      split_rows(r, {.group_columns = {"stars"}}),
+      split_rows(r, {.group_columns = {{"stars"}}}),
       "r.csv: there is no column 'stars'\n  expected one of: star, night\n  did you mean 'star'?",
       InputError);
 }
@@ -116,7 +118,7 @@ TEST_CASE("repeats of a setting stay together") {
 
 TEST_CASE("ids and repeats join into one group") {
   const Recordings r = table({{"star", {1, 1, 2, 3}}, {"q", {10, 20, 20, 30}}});
-  CHECK(split_rows(r, {.group_columns = {"star"}, .reading_columns = {"q"}}).group ==
+  CHECK(split_rows(r, {.group_columns = {{"star"}}, .reading_columns = {"q"}}).group ==
         std::vector<int>{0, 0, 0, 1});
 }
 
