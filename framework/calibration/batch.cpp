@@ -9,15 +9,19 @@
 namespace talus {
 
 // Priors are in units of the noise, which is 1 where it is stated.
-double Problem::Inside::latent_tolerance(int i) const { return *latent_prior[i].tolerance / std::sqrt(noise_variance_of_rows); }
+double Problem::Inside::latent_tolerance(int i) const {
+  return *latent_prior[i].tolerance / std::sqrt(noise_variance_of_rows);
+}
 
 RowTransform Problem::Inside::whitening(int b) const {
-  return {dense ? RowTransform::Kind::dense : RowTransform::Kind::diagonal, &weights[b * weight_block()]};
+  return {dense ? RowTransform::Kind::dense : RowTransform::Kind::diagonal,
+          &weights[b * weight_block()]};
 }
 
 void Problem::Inside::load_state(Bench& bench, int b, std::span<const double> x) const {
   const std::size_t nl = latent_slots.size();
-  std::memcpy(bench.state.data(), &latent[b * std::max<std::size_t>(1, nl) * lanes], nl * lanes * sizeof(double));
+  std::memcpy(bench.state.data(), &latent[b * std::max<std::size_t>(1, nl) * lanes],
+              nl * lanes * sizeof(double));
   for (std::size_t u = 0; u < shared_slots.size(); ++u)
     std::fill_n(&bench.state[(nl + u) * lanes], lanes, x[offset[u] + data.batch(b).instance[u]]);
 }
@@ -30,7 +34,8 @@ void Problem::Inside::whiten(Bench& bench, int b) {
     double* out = &bench.whitened[r * lanes];
     if (!dense) {
       const double* raw = plan.row(bench.workspace, r);
-      for (int l = 0; l < lanes; ++l) out[l] = mask[r * lanes + l] != 0 ? raw[l] * w[r * lanes + l] : 0;
+      for (int l = 0; l < lanes; ++l)
+        out[l] = mask[r * lanes + l] != 0 ? raw[l] * w[r * lanes + l] : 0;
     } else {
       std::fill_n(out, lanes, 0.0);
       for (int q = 0; q <= r; ++q) {
@@ -48,7 +53,8 @@ void Problem::Inside::evaluate(Bench& bench, int b) {
   if (!latent_slots.empty()) solve_latent(bench, b);
 }
 
-// Levenberg-Marquardt per pose, all lanes in step: minimises |whitened rows|^2 + priors over the latent unknowns.
+// Levenberg-Marquardt per pose, all lanes in step: minimises |whitened rows|^2 + priors over the
+// latent unknowns.
 void Problem::Inside::solve_latent(Bench& bench, int b) {
   const int m = rows(), n = static_cast<int>(latent_slots.size()), count = data.batch(b).count;
   double cost[lanes], lambda[lanes] = {}, last_state[8 * lanes];
@@ -57,12 +63,14 @@ void Problem::Inside::solve_latent(Bench& bench, int b) {
     double sum = 0;
     for (int i = 0; i < n; ++i)
       if (latent_prior[i].tolerance)
-        sum += std::pow((bench.state[i * lanes + lane] - latent_prior[i].value) / latent_tolerance(i), 2);
+        sum += std::pow(
+            (bench.state[i * lanes + lane] - latent_prior[i].value) / latent_tolerance(i), 2);
     return sum;
   };
   for (int l = 0; l < lanes; ++l) cost[l] = bench.squares[l] + prior(l), done[l] = l >= count;
   for (int iteration = 0; iteration < 60; ++iteration) {
-    plan.jacobian(bench.workspace, kLatent, whitening(b), bench.columns.data(), static_cast<std::size_t>(m) * lanes);
+    plan.jacobian(bench.workspace, kLatent, whitening(b), bench.columns.data(),
+                  static_cast<std::size_t>(m) * lanes);
     std::memcpy(last_state, bench.state.data(), sizeof(double) * n * lanes);
     bool moved = false;
     for (int l = 0; l < count; ++l) {
@@ -95,7 +103,8 @@ void Problem::Inside::solve_latent(Bench& bench, int b) {
       for (int i = 0; i < n; ++i) {
         double& value = bench.state[i * lanes + l];
         value += move[i];
-        if (const auto& bounds = latent_prior[i].bounds) value = std::clamp(value, bounds->first, bounds->second);
+        if (const auto& bounds = latent_prior[i].bounds)
+          value = std::clamp(value, bounds->first, bounds->second);
       }
       moved = true;
     }
@@ -123,13 +132,16 @@ void Problem::Inside::solve_latent(Bench& bench, int b) {
     }
     if (std::all_of(done, done + count, [](bool d) { return d; })) break;
   }
-  std::memcpy(&latent_trial[static_cast<std::size_t>(b) * n * lanes], bench.state.data(), sizeof(double) * n * lanes);
+  std::memcpy(&latent_trial[static_cast<std::size_t>(b) * n * lanes], bench.state.data(),
+              sizeof(double) * n * lanes);
 }
 
-// L^-1 with L L^T = diag(sigma^2) + J_q diag(sigma_q^2) J_q^T, J_q the rows' derivatives by the readings.
+// L^-1 with L L^T = diag(sigma^2) + J_q diag(sigma_q^2) J_q^T, J_q the rows' derivatives by the
+// readings.
 void Problem::Inside::combined_covariance(Bench& bench, int b) {
   const int m = rows(), nq = static_cast<int>(noisy_slots.size());
-  plan.jacobian(bench.workspace, kReadings, {}, bench.columns.data(), static_cast<std::size_t>(m) * lanes);
+  plan.jacobian(bench.workspace, kReadings, {}, bench.columns.data(),
+                static_cast<std::size_t>(m) * lanes);
   double* out = &weights[b * weight_block()];
   const double* mask = data.mask(b);
   Eigen::MatrixXd S(m, m);
@@ -139,18 +151,21 @@ void Problem::Inside::combined_covariance(Bench& bench, int b) {
         const bool both = mask[i * lanes + l] != 0 && mask[j * lanes + l] != 0;
         double sum = i == j ? (both ? 1 / (row_factor[i] * row_factor[i]) : 1) : 0;
         for (int q = 0; both && q < nq; ++q)
-          sum += bench.columns[(static_cast<std::size_t>(q) * m + i) * lanes + l] * noise_variance[q] *
+          sum += bench.columns[(static_cast<std::size_t>(q) * m + i) * lanes + l] *
+                 noise_variance[q] *
                  bench.columns[(static_cast<std::size_t>(q) * m + j) * lanes + l];
         S(i, j) = S(j, i) = sum;
       }
     const Eigen::MatrixXd inverse = S.llt().matrixL().solve(Eigen::MatrixXd::Identity(m, m));
     for (int i = 0; i < m; ++i)
-      for (int j = 0; j < m; ++j) out[(i * m + j) * lanes + l] = j <= i && mask[i * lanes + l] != 0 ? inverse(i, j) : 0;
+      for (int j = 0; j < m; ++j)
+        out[(i * m + j) * lanes + l] = j <= i && mask[i * lanes + l] != 0 ? inverse(i, j) : 0;
   }
 }
 
-// rho(s), rho'(s) and the curvature correction alpha (Triggs): rows become sqrt(rho') (I - alpha r r^T / s) J and
-// sqrt(rho') / (1 - alpha) r. Huber and Cauchy act on s per row of the pose, so their scale is in sigmas.
+// rho(s), rho'(s) and the curvature correction alpha (Triggs): rows become sqrt(rho') (I - alpha r
+// r^T / s) J and sqrt(rho') / (1 - alpha) r. Huber and Cauchy act on s per row of the pose, so
+// their scale is in sigmas.
 void Problem::Inside::losses(Bench& bench, int b, bool on) {
   const CalibrationSettings& settings = program.settings;
   const double m = rows(), k2 = settings.loss_scale * settings.loss_scale;
@@ -173,10 +188,13 @@ void Problem::Inside::losses(Bench& bench, int b, bool on) {
 }
 
 RowTransform Problem::Inside::transform(Bench& bench, int b, bool on) {
-  const bool loss = on && (program.settings.objective == Objective::as_published || program.settings.loss != LossKind::none);
+  const bool loss = on && (program.settings.objective == Objective::as_published ||
+                           program.settings.loss != LossKind::none);
   const int m = rows(), n = static_cast<int>(latent_slots.size());
   if (!loss && n == 0) return whitening(b);
-  if (n > 0) plan.jacobian(bench.workspace, kLatent, whitening(b), bench.columns.data(), static_cast<std::size_t>(m) * lanes);
+  if (n > 0)
+    plan.jacobian(bench.workspace, kLatent, whitening(b), bench.columns.data(),
+                  static_cast<std::size_t>(m) * lanes);
   const double* w = &weights[b * weight_block()];
   Eigen::MatrixXd A(m, m);
   Eigen::VectorXd r(m);
@@ -184,15 +202,18 @@ RowTransform Problem::Inside::transform(Bench& bench, int b, bool on) {
     A.setZero();
     for (int i = 0; i < m; ++i) {
       r[i] = bench.whitened[i * lanes + l];
-      if (dense) for (int j = 0; j <= i; ++j) A(i, j) = w[(i * m + j) * lanes + l];
-      else A(i, i) = w[i * lanes + l];
+      if (dense)
+        for (int j = 0; j <= i; ++j) A(i, j) = w[(i * m + j) * lanes + l];
+      else
+        A(i, i) = w[i * lanes + l];
     }
     // Latent unknowns: those with a prior count as noise, those without are projected out.
     Eigen::VectorXd u(m);
     for (int pass = 0; pass < 2; ++pass)
       for (int i = 0; i < n; ++i) {
         if (bool(latent_prior[i].tolerance) != (pass == 0)) continue;
-        for (int q = 0; q < m; ++q) u[q] = bench.columns[(static_cast<std::size_t>(i) * m + q) * lanes + l];
+        for (int q = 0; q < m; ++q)
+          u[q] = bench.columns[(static_cast<std::size_t>(i) * m + q) * lanes + l];
         if (pass == 0) {
           // (I + t^2 u u^T)^-1/2 = I - c u u^T, in the coordinates of what was done before.
           const double t2 = std::pow(latent_tolerance(i), 2);
@@ -217,15 +238,19 @@ RowTransform Problem::Inside::transform(Bench& bench, int b, bool on) {
             for (int q = 0; q < m; ++q) u[q] -= dot * e[q * lanes];
           }
           const double norm = u.norm();
-          if (norm > 1e-10 * before) u /= norm;
-          else u.setZero();
-          for (int q = 0; q < m; ++q) bench.columns[(static_cast<std::size_t>(i) * m + q) * lanes + l] = u[q];
+          if (norm > 1e-10 * before)
+            u /= norm;
+          else
+            u.setZero();
+          for (int q = 0; q < m; ++q)
+            bench.columns[(static_cast<std::size_t>(i) * m + q) * lanes + l] = u[q];
           const Eigen::RowVectorXd uA = u.transpose() * A;
           A -= u * uA;
           r -= u * u.dot(r);
         }
       }
-    const double s = r.squaredNorm(), root = std::sqrt(bench.rho1[l]), alpha = s > 0 ? bench.alpha[l] : 0;
+    const double s = r.squaredNorm(), root = std::sqrt(bench.rho1[l]),
+                 alpha = s > 0 ? bench.alpha[l] : 0;
     if (alpha != 0) {
       const Eigen::RowVectorXd rA = r.transpose() * A;
       A -= (alpha / s) * r * rA;
@@ -245,7 +270,8 @@ double Problem::Inside::batch_cost(const Bench& bench, int b) const {
   for (std::size_t i = 0; i < n; ++i)
     if (latent_prior[i].tolerance)
       for (int l = 0; l < data.batch(b).count; ++l)
-        sum += std::pow((bench.state[i * lanes + l] - latent_prior[i].value) / latent_tolerance(i), 2);
+        sum +=
+            std::pow((bench.state[i * lanes + l] - latent_prior[i].value) / latent_tolerance(i), 2);
   return sum / 2;
 }
 

@@ -10,7 +10,8 @@ namespace {
 using V = xsimd::batch<double>;
 
 // Sixteen sums of products of four columns with four columns.
-inline void block(const double* const* a, const double* const* b, std::size_t length, double out[4][4]) {
+inline void block(const double* const* a, const double* const* b, std::size_t length,
+                  double out[4][4]) {
   V s[4][4];
   for (auto& row : s)
     for (V& v : row) v = V(0.0);
@@ -31,7 +32,8 @@ inline void block(const double* const* a, const double* const* b, std::size_t le
 
 }  // namespace
 
-void add_gram(const double* A, int columns, std::size_t stride, std::size_t length, Eigen::MatrixXd& G) {
+void add_gram(const double* A, int columns, std::size_t stride, std::size_t length,
+              Eigen::MatrixXd& G) {
   for (int i = 0; i < columns; i += 4)
     for (int j = i; j < columns; j += 4) {
       const double *a[4], *b[4];
@@ -44,7 +46,8 @@ void add_gram(const double* A, int columns, std::size_t stride, std::size_t leng
     }
 }
 
-void add_qr(const double* A, int columns, std::size_t stride, std::size_t length, Eigen::MatrixXd& R) {
+void add_qr(const double* A, int columns, std::size_t stride, std::size_t length,
+            Eigen::MatrixXd& R) {
   const auto rows = static_cast<Eigen::Index>(length);
   Eigen::MatrixXd stacked(columns + rows, columns);
   stacked.topRows(columns) = R.triangularView<Eigen::Upper>();

@@ -7,7 +7,8 @@
 
 namespace talus {
 
-std::vector<Measure> measures(const Program& program, const Eigen::MatrixXd& raw, const std::vector<double>& fsr) {
+std::vector<Measure> measures(const Program& program, const Eigen::MatrixXd& raw,
+                              const std::vector<double>& fsr) {
   std::vector<Measure> result;
   for (std::size_t r = 0; r < program.rows.size(); ++r) {
     Measure m{program.rows[r].measure, program.rows[r].dimension};
@@ -20,7 +21,8 @@ std::vector<Measure> measures(const Program& program, const Eigen::MatrixXd& raw
     const auto n = static_cast<double>(m.count);
     m.bias = m.count ? sum / n : std::numeric_limits<double>::quiet_NaN();
     m.rmse = m.count ? std::sqrt(squares / n) : m.bias;
-    m.precision = m.count > 1 ? std::sqrt(std::max(0.0, (squares - n * m.bias * m.bias) / (n - 1))) : std::numeric_limits<double>::quiet_NaN();
+    m.precision = m.count > 1 ? std::sqrt(std::max(0.0, (squares - n * m.bias * m.bias) / (n - 1)))
+                              : std::numeric_limits<double>::quiet_NaN();
     m.fsr = fsr[r];
     m.percent_fsr = 100 * m.rmse / m.fsr;
     result.push_back(m);
@@ -33,7 +35,8 @@ namespace {
 using Columns = std::vector<std::pair<int, const RecordedColumn*>>;
 
 // Sets each feature's chain to the measured orientation whose entries are nearest to their mean.
-void refer_to_middle(const Program& program, std::size_t rows, const Columns& data, TapeValues& orientation, std::vector<double>& slots) {
+void refer_to_middle(const Program& program, std::size_t rows, const Columns& data,
+                     TapeValues& orientation, std::vector<double>& slots) {
   const std::size_t n = program.features.size();
   std::vector<double> mean(9 * n, 0), best(n, std::numeric_limits<double>::infinity());
   for (int pass = 0; pass < 2; ++pass)
@@ -50,15 +53,17 @@ void refer_to_middle(const Program& program, std::size_t rows, const Columns& da
         if (pass == 0 || away >= best[f]) continue;
         best[f] = away;
         for (std::size_t i = 0; i < 9; ++i)
-          slots[program.chains[program.features[f].chain].first_slot + static_cast<int>(i)] = R[9 * f + i];
+          slots[program.chains[program.features[f].chain].first_slot + static_cast<int>(i)] =
+              R[9 * f + i];
       }
     }
 }
 
 }  // namespace
 
-// A row is measured minus modelled, so at a model pose that stands still it runs over the measured quantity. Lengths are
-// taken at the identity; angles at the measured orientation nearest to the mean of all, so that they do not wrap.
+// A row is measured minus modelled, so at a model pose that stands still it runs over the measured
+// quantity. Lengths are taken at the identity; angles at the measured orientation nearest to the
+// mean of all, so that they do not wrap.
 std::vector<double> full_scale_ranges(const Program& program, const Recordings& recordings) {
   std::vector<std::int32_t> nodes, poses;
   Tape& tape = *program.tape;
@@ -90,7 +95,8 @@ std::vector<double> full_scale_ranges(const Program& program, const Recordings& 
     }
   }
   std::vector<double> range(rows);
-  for (std::size_t r = 0; r < rows; ++r) range[r] = high[r] > low[r] ? high[r] - low[r] : std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t r = 0; r < rows; ++r)
+    range[r] = high[r] > low[r] ? high[r] - low[r] : std::numeric_limits<double>::quiet_NaN();
   return range;
 }
 

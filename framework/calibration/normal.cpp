@@ -12,21 +12,25 @@ namespace talus {
 double Problem::Inside::prior_cost(std::span<const double> x) const {
   double sum = 0;
   for (std::size_t i = 0; i < quantities.size(); ++i)
-    if (quantities[i].tolerance) sum += std::pow((x[i] - quantities[i].value) / *quantities[i].tolerance, 2);
+    if (quantities[i].tolerance)
+      sum += std::pow((x[i] - quantities[i].value) / *quantities[i].tolerance, 2);
   return noise_variance_of_rows * sum / 2;
 }
 
-// factor^T factor = [[H, g], [g^T, 2 cost]]: H by a pivoted LDL^T of the scaled matrix, so that a direction the data do not
-// see gives a zero row rather than noise.
+// factor^T factor = [[H, g], [g^T, 2 cost]]: H by a pivoted LDL^T of the scaled matrix, so that a
+// direction the data do not see gives a zero row rather than noise.
 static Eigen::MatrixXd factor_of(const Eigen::MatrixXd& G, int n, double twice_cost) {
   Eigen::MatrixXd F = Eigen::MatrixXd::Zero(n + 1, n + 1);
   Eigen::VectorXd scale(n);
   for (int i = 0; i < n; ++i) scale[i] = G(i, i) > 0 ? 1 / std::sqrt(G(i, i)) : 0;
-  const Eigen::MatrixXd H = scale.asDiagonal() * Eigen::MatrixXd(G.topLeftCorner(n, n).selfadjointView<Eigen::Upper>()) * scale.asDiagonal();
+  const Eigen::MatrixXd H = scale.asDiagonal() *
+                            Eigen::MatrixXd(G.topLeftCorner(n, n).selfadjointView<Eigen::Upper>()) *
+                            scale.asDiagonal();
   const Eigen::LDLT<Eigen::MatrixXd> ldlt(H);
   const Eigen::VectorXd d = ldlt.vectorD();
   const Eigen::MatrixXd L = ldlt.matrixL();
-  Eigen::VectorXd y = ldlt.transpositionsP() * Eigen::VectorXd(scale.cwiseProduct(G.col(n).head(n)));
+  Eigen::VectorXd y =
+      ldlt.transpositionsP() * Eigen::VectorXd(scale.cwiseProduct(G.col(n).head(n)));
   L.triangularView<Eigen::UnitLower>().solveInPlace(y);
   Eigen::MatrixXd U = ldlt.transpositionsP().transpose() * L;  // H = U D U^T
   for (int i = 0; i < n; ++i) {
@@ -43,7 +47,8 @@ static Eigen::MatrixXd factor_of(const Eigen::MatrixXd& G, int n, double twice_c
 }
 
 Normal Problem::Inside::normal(std::span<const double> x, bool on, bool priors) {
-  const int n = size(), m = rows(), local = static_cast<int>(plan.columns(kGlobal).size()), p = parameters();
+  const int n = size(), m = rows(), local = static_cast<int>(plan.columns(kGlobal).size()),
+            p = parameters();
   const int batches_per_panel = std::max(1, 384 / (m * lanes));
   const std::size_t block = static_cast<std::size_t>(m) * lanes, stride = block * batches_per_panel;
   const int chunk_count = chunks();
@@ -69,19 +74,22 @@ Normal Problem::Inside::normal(std::span<const double> x, bool on, bool priors) 
       sum.local.setZero(local + 1, local + 1);
       add_gram(bench.panel.data(), local + 1, stride, length, sum.local);
       for (int i = 0; i <= local; ++i)
-        for (int j = i; j <= local; ++j) sum.G(std::min(to[i], to[j]), std::max(to[i], to[j])) += sum.local(i, j);
+        for (int j = i; j <= local; ++j)
+          sum.G(std::min(to[i], to[j]), std::max(to[i], to[j])) += sum.local(i, j);
     }
     sum.filled = 0;
   };
   std::vector<int> last(chunk_count);
-  for (int c = 0; c < chunk_count; ++c) last[c] = static_cast<int>(static_cast<long>(data.batches()) * (c + 1) / chunk_count) - 1;
+  for (int c = 0; c < chunk_count; ++c)
+    last[c] = static_cast<int>(static_cast<long>(data.batches()) * (c + 1) / chunk_count) - 1;
   each_batch(x, [&](Bench& bench, int chunk, int b) {
     Sum& sum = sums[chunk];
     evaluate(bench, b);
     losses(bench, b, on);
     sum.cost += batch_cost(bench, b);
     const RowTransform t = transform(bench, b, on);
-    if (sum.filled > 0 && sum.instance && *sum.instance != data.batch(b).instance) flush(bench, sum);
+    if (sum.filled > 0 && sum.instance && *sum.instance != data.batch(b).instance)
+      flush(bench, sum);
     sum.instance = &data.batch(b).instance;
     double* at = bench.panel.data() + sum.filled * block;
     plan.jacobian(bench.workspace, kGlobal, t, at, stride);
@@ -95,8 +103,10 @@ Normal Problem::Inside::normal(std::span<const double> x, bool on, bool priors) 
   for (const Sum& sum : sums) {
     result.cost += sum.cost;
     if (sum.G.size() == 0) continue;
-    if (!by_qr) G += sum.G;
-    else if (G.isZero(0)) G = sum.G;
+    if (!by_qr)
+      G += sum.G;
+    else if (G.isZero(0))
+      G = sum.G;
     else {
       Buffer columns(static_cast<std::size_t>(n + 1) * (n + 1));
       std::copy(sum.G.data(), sum.G.data() + sum.G.size(), columns.begin());
@@ -111,7 +121,8 @@ Normal Problem::Inside::normal(std::span<const double> x, bool on, bool priors) 
         if (quantities[i].tolerance) {
           const double weight = std::sqrt(noise_variance_of_rows) / *quantities[i].tolerance;
           rows_of_priors[static_cast<std::size_t>(i) * n + i] = weight;
-          rows_of_priors[static_cast<std::size_t>(n) * n + i] = weight * (x[i] - quantities[i].value);
+          rows_of_priors[static_cast<std::size_t>(n) * n + i] =
+              weight * (x[i] - quantities[i].value);
         }
       add_qr(rows_of_priors.data(), n + 1, n, n, G);
     }
@@ -123,7 +134,8 @@ Normal Problem::Inside::normal(std::span<const double> x, bool on, bool priors) 
   if (priors)
     for (int i = 0; i < n; ++i)
       if (quantities[i].tolerance) {
-        const double t2 = *quantities[i].tolerance * *quantities[i].tolerance / noise_variance_of_rows;
+        const double t2 =
+            *quantities[i].tolerance * *quantities[i].tolerance / noise_variance_of_rows;
         G(i, i) += 1 / t2;
         G(i, n) += (x[i] - quantities[i].value) / t2;
       }

@@ -1,5 +1,6 @@
-// Work over numbered chunks on several threads. Who does a chunk is left to chance, what a chunk is is
-// not: results are kept per chunk and joined in order, so they are the same for any number of threads.
+// Work over numbered chunks on several threads. Who does a chunk is left to chance, what a chunk is
+// is not: results are kept per chunk and joined in order, so they are the same for any number of
+// threads.
 #pragma once
 
 #include <atomic>

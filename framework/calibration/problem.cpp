@@ -26,8 +26,10 @@ template <class Indices>
 std::vector<int> unknown_slots(const Program& program, const Indices& indices) {
   std::vector<int> slots;
   for (const auto& u : indices) {
-    if constexpr (std::is_same_v<std::decay_t<decltype(u)>, int>) slots.push_back(program.unknowns[u].slot);
-    else slots.push_back(program.unknowns[u.unknown].slot);
+    if constexpr (std::is_same_v<std::decay_t<decltype(u)>, int>)
+      slots.push_back(program.unknowns[u].slot);
+    else
+      slots.push_back(program.unknowns[u.unknown].slot);
   }
   return slots;
 }
@@ -48,14 +50,24 @@ std::vector<int> joined(std::vector<int> a, const std::vector<int>& b) {
 }  // namespace
 
 Plan plan_for(const Program& program, const Groups& groups, const ProblemOptions& options) {
-  const std::vector<int> latent = unknown_slots(program, groups.latent), shared = unknown_slots(program, groups.shared);
-  return Plan(program, {joined(parameter_slots(program, options), shared), latent, noisy(program, options)}, joined(latent, shared));
+  const std::vector<int> latent = unknown_slots(program, groups.latent),
+                         shared = unknown_slots(program, groups.shared);
+  return Plan(program,
+              {joined(parameter_slots(program, options), shared), latent, noisy(program, options)},
+              joined(latent, shared));
 }
 
-Problem::Inside::Inside(const Program& p, Plan the_plan, const Recordings& recordings, const std::vector<std::size_t>& rows, const Groups& g,
+Problem::Inside::Inside(const Program& p, Plan the_plan, const Recordings& recordings,
+                        const std::vector<std::size_t>& rows, const Groups& g,
                         const ProblemOptions& o)
-    : program(p), options(o), groups(g), latent_slots(unknown_slots(p, g.latent)), shared_slots(unknown_slots(p, g.shared)),
-      noisy_slots(noisy(p, o)), plan(std::move(the_plan)), data(p, plan, recordings, rows, g) {
+    : program(p),
+      options(o),
+      groups(g),
+      latent_slots(unknown_slots(p, g.latent)),
+      shared_slots(unknown_slots(p, g.shared)),
+      noisy_slots(noisy(p, o)),
+      plan(std::move(the_plan)),
+      data(p, plan, recordings, rows, g) {
   if (latent_slots.size() > 8) throw InputError("more than 8 unknowns per pose");
   if (p.rows.empty()) throw InputError("the model has no residual: it measures nothing");
   for (int slot : noisy_slots)
@@ -78,7 +90,8 @@ Problem::Inside::Inside(const Program& p, Plan the_plan, const Recordings& recor
   occurs.assign(quantities.size(), groups.shared.empty());
   std::fill_n(occurs.begin(), parameters(), true);
   for (int b = 0; b < data.batches(); ++b)
-    for (std::size_t u = 0; u < groups.shared.size(); ++u) occurs[offset[u] + data.batch(b).instance[u]] = true;
+    for (std::size_t u = 0; u < groups.shared.size(); ++u)
+      occurs[offset[u] + data.batch(b).instance[u]] = true;
   for (int u : groups.latent) {
     latent_prior.push_back(p.unknowns[u].start);
     latent_dimensions.push_back(p.unknowns[u].dimension);
@@ -86,14 +99,18 @@ Problem::Inside::Inside(const Program& p, Plan the_plan, const Recordings& recor
   const auto nl = latent_slots.size();
   latent.assign(std::max<std::size_t>(1, nl) * lanes * std::max(1, data.batches()), 0);
   for (int b = 0; b < data.batches(); ++b)
-    for (std::size_t i = 0; i < nl; ++i) std::fill_n(&latent[(b * nl + i) * lanes], lanes, latent_prior[i].value);
+    for (std::size_t i = 0; i < nl; ++i)
+      std::fill_n(&latent[(b * nl + i) * lanes], lanes, latent_prior[i].value);
   latent_trial = latent;
   for (const Row& row : p.rows) {
     const double unit = p.units.of(row.dimension).factor;
-    row_factor.push_back(p.settings.weighted ? std::sqrt(row.weight) / unit : row.sigma ? 1 / *row.sigma : 1 / unit);
+    row_factor.push_back(p.settings.weighted ? std::sqrt(row.weight) / unit
+                         : row.sigma         ? 1 / *row.sigma
+                                             : 1 / unit);
   }
   dense = !noisy_slots.empty();
-  const int m = plan.rows(), widest = std::max({1, static_cast<int>(nl), static_cast<int>(noisy_slots.size())});
+  const int m = plan.rows(),
+            widest = std::max({1, static_cast<int>(nl), static_cast<int>(noisy_slots.size())});
   const int batches_per_panel = std::max(1, 384 / (m * lanes));
   for (int t = 0; t < std::max(1, options.threads); ++t) {
     Bench& bench = benches.emplace_back();
@@ -102,7 +119,9 @@ Problem::Inside::Inside(const Program& p, Plan the_plan, const Recordings& recor
     bench.whitened.resize(static_cast<std::size_t>(m) * lanes);
     bench.transform.resize(static_cast<std::size_t>(m) * m * lanes);
     bench.columns.resize(static_cast<std::size_t>(widest) * m * lanes);
-    bench.panel.resize(static_cast<std::size_t>(padded(static_cast<int>(plan.columns(kGlobal).size()) + 1)) * batches_per_panel * m * lanes);
+    bench.panel.resize(
+        static_cast<std::size_t>(padded(static_cast<int>(plan.columns(kGlobal).size()) + 1)) *
+        batches_per_panel * m * lanes);
   }
   weights.assign(weight_block() * std::max(1, data.batches()), 0);
   fill_weights();
@@ -111,7 +130,8 @@ Problem::Inside::Inside(const Program& p, Plan the_plan, const Recordings& recor
 void Problem::Inside::fill_weights() {
   if (dense) return;
   for (int b = 0; b < data.batches(); ++b)
-    for (int i = 0; i < rows() * lanes; ++i) weights[b * weight_block() + i] = data.mask(b)[i] * row_factor[i / lanes];
+    for (int i = 0; i < rows() * lanes; ++i)
+      weights[b * weight_block() + i] = data.mask(b)[i] * row_factor[i / lanes];
 }
 
 std::vector<double> Problem::Inside::slots(std::span<const double> x) const {
@@ -121,12 +141,14 @@ std::vector<double> Problem::Inside::slots(std::span<const double> x) const {
   return values;
 }
 
-Problem::Problem(const Program& program, const Recordings& recordings, const std::vector<std::size_t>& rows, const Groups& groups,
+Problem::Problem(const Program& program, const Recordings& recordings,
+                 const std::vector<std::size_t>& rows, const Groups& groups,
                  const ProblemOptions& options)
     : Problem(program, plan_for(program, groups, options), recordings, rows, groups, options) {}
 
-Problem::Problem(const Program& program, const Plan& plan, const Recordings& recordings, const std::vector<std::size_t>& rows,
-                 const Groups& groups, const ProblemOptions& options)
+Problem::Problem(const Program& program, const Plan& plan, const Recordings& recordings,
+                 const std::vector<std::size_t>& rows, const Groups& groups,
+                 const ProblemOptions& options)
     : in_(std::make_unique<Inside>(program, plan, recordings, rows, groups, options)) {
   in_->robust = options.robust;
   set_weights(in_->start);
@@ -146,7 +168,8 @@ void Problem::set_latent_values(const Buffer& values) { in_->latent = in_->laten
 void Problem::reset_latent_values() {
   const std::size_t n = in_->latent_slots.size();
   for (int b = 0; b < in_->data.batches(); ++b)
-    for (std::size_t i = 0; i < n; ++i) std::fill_n(&in_->latent[(b * n + i) * lanes], lanes, in_->latent_prior[i].value);
+    for (std::size_t i = 0; i < n; ++i)
+      std::fill_n(&in_->latent[(b * n + i) * lanes], lanes, in_->latent_prior[i].value);
   in_->latent_trial = in_->latent;
 }
 
@@ -162,7 +185,9 @@ void Problem::scatter_latents(std::span<const double> x, std::uint64_t seed) {
       for (std::size_t k = 0; k < in_->latent.size(); ++k) {
         const std::size_t i = k / lanes % n;
         const Quantity& q = in_->latent_prior[i];
-        const double reach = in_->latent_dimensions[i] == angle ? 150 * deg : 3 * typical_size(q, in_->latent_dimensions[i]);
+        const double reach = in_->latent_dimensions[i] == angle
+                                 ? 150 * deg
+                                 : 3 * typical_size(q, in_->latent_dimensions[i]);
         double v = std::uniform_real_distribution<double>(q.value - reach, q.value + reach)(random);
         if (q.bounds) v = std::clamp(v, q.bounds->first, q.bounds->second);
         in_->latent[k] = v;
@@ -174,7 +199,8 @@ void Problem::scatter_latents(std::span<const double> x, std::uint64_t seed) {
         // A clear gain only: equivalent branches (a turn more) are no reason to leave the first.
         if (attempt > 0 && !(bench.squares[l] < 0.99 * known - 1e-9)) continue;
         known = bench.squares[l];
-        for (std::size_t i = 0; i < n; ++i) best[(b * n + i) * lanes + l] = bench.state[i * lanes + l];
+        for (std::size_t i = 0; i < n; ++i)
+          best[(b * n + i) * lanes + l] = bench.state[i * lanes + l];
       }
     });
   }
@@ -187,11 +213,13 @@ double Problem::latent_freedom(std::span<const double> x) {
   std::vector<double> sums(in_->chunks(), 0.0);
   in_->each_batch(x, [&](Bench& bench, int chunk, int b) {
     in_->evaluate(bench, b);
-    in_->plan.jacobian(bench.workspace, Inside::kLatent, in_->whitening(b), bench.columns.data(), static_cast<std::size_t>(m) * lanes);
+    in_->plan.jacobian(bench.workspace, Inside::kLatent, in_->whitening(b), bench.columns.data(),
+                       static_cast<std::size_t>(m) * lanes);
     for (int l = 0; l < data().batch(b).count; ++l) {
       Eigen::MatrixXd J(m, n);
       for (int i = 0; i < n; ++i)
-        for (int r = 0; r < m; ++r) J(r, i) = bench.columns[(static_cast<std::size_t>(i) * m + r) * lanes + l];
+        for (int r = 0; r < m; ++r)
+          J(r, i) = bench.columns[(static_cast<std::size_t>(i) * m + r) * lanes + l];
       // trace of J (J^T J + P)^-1 J^T, P the priors' information.
       Eigen::MatrixXd H = J.transpose() * J;
       const Eigen::MatrixXd information = H;
@@ -217,7 +245,8 @@ void Problem::hold(const std::vector<double>& parameters) { in_->held = paramete
 
 bool Problem::noise_known() const {
   return !in_->program.settings.weighted &&
-         std::all_of(in_->program.rows.begin(), in_->program.rows.end(), [](const Row& r) { return r.sigma.has_value(); });
+         std::all_of(in_->program.rows.begin(), in_->program.rows.end(),
+                     [](const Row& r) { return r.sigma.has_value(); });
 }
 
 std::vector<std::string> Problem::names() const {
@@ -225,7 +254,8 @@ std::vector<std::string> Problem::names() const {
   if (!in_->options.only_unknowns)
     for (const Parameter& p : in_->program.parameters) names.push_back(p.name);
   for (const auto& u : in_->groups.shared)
-    for (const std::string& label : u.labels) names.push_back(in_->program.unknowns[u.unknown].name + "(" + label + ")");
+    for (const std::string& label : u.labels)
+      names.push_back(in_->program.unknowns[u.unknown].name + "(" + label + ")");
   return names;
 }
 
@@ -260,7 +290,9 @@ double Problem::cost(std::span<const double> x) {
   return total;
 }
 
-Normal Problem::normal(std::span<const double> x) { return in_->normal(x, in_->robust, in_->options.priors); }
+Normal Problem::normal(std::span<const double> x) {
+  return in_->normal(x, in_->robust, in_->options.priors);
+}
 Normal Problem::information(std::span<const double> x) { return in_->normal(x, false, false); }
 
 Problem::Residuals Problem::residuals(std::span<const double> x) {
@@ -268,7 +300,8 @@ Problem::Residuals Problem::residuals(std::span<const double> x) {
   const int m = rows(), n = latents();
   std::vector<std::pair<std::size_t, std::pair<int, int>>> order;
   for (int b = 0; b < data().batches(); ++b)
-    for (int l = 0; l < data().batch(b).count; ++l) order.push_back({static_cast<std::size_t>(data().batch(b).poses[l]), {b, l}});
+    for (int l = 0; l < data().batch(b).count; ++l)
+      order.push_back({static_cast<std::size_t>(data().batch(b).poses[l]), {b, l}});
   std::sort(order.begin(), order.end());
   std::vector<std::vector<int>> at(data().batches(), std::vector<int>(lanes));
   for (std::size_t i = 0; i < order.size(); ++i) {
@@ -284,7 +317,8 @@ Problem::Residuals Problem::residuals(std::span<const double> x) {
     for (int l = 0; l < data().batch(b).count; ++l) {
       for (int r = 0; r < m; ++r) {
         result.whitened(at[b][l], r) = bench.whitened[r * lanes + l];
-        if (data().mask(b)[r * lanes + l] != 0) result.raw(at[b][l], r) = in_->plan.row(bench.workspace, r)[l];
+        if (data().mask(b)[r * lanes + l] != 0)
+          result.raw(at[b][l], r) = in_->plan.row(bench.workspace, r)[l];
       }
       for (int i = 0; i < n; ++i) result.latent(at[b][l], i) = bench.state[i * lanes + l];
     }

@@ -19,7 +19,8 @@ using Pose = std::pair<Matrix3<double>, Vector3<double>>;
 // T_in_at of a chain at given slots.
 class ChainPose {
  public:
-  ChainPose(const Program& program, const Chain& chain) : values_(*program.tape, nodes(program, chain)) {}
+  ChainPose(const Program& program, const Chain& chain)
+      : values_(*program.tape, nodes(program, chain)) {}
   Pose operator()(std::span<const double> slots) {
     const auto& v = values_(slots);
     Pose pose;
@@ -44,7 +45,8 @@ class ChainPose {
 
 std::array<double, 4> quaternion(const Matrix3<double>& R) {
   std::array<double, 4> q{};  // w x y z; the largest component first for accuracy
-  const double t[4] = {R[0][0] + R[1][1] + R[2][2], R[0][0] - R[1][1] - R[2][2], R[1][1] - R[0][0] - R[2][2], R[2][2] - R[0][0] - R[1][1]};
+  const double t[4] = {R[0][0] + R[1][1] + R[2][2], R[0][0] - R[1][1] - R[2][2],
+                       R[1][1] - R[0][0] - R[2][2], R[2][2] - R[0][0] - R[1][1]};
   const int k = static_cast<int>(std::max_element(t, t + 4) - t);
   const double s = 2 * std::sqrt(1 + t[k]);
   q[k] = s / 4;
@@ -56,17 +58,20 @@ std::array<double, 4> quaternion(const Matrix3<double>& R) {
     for (int i = 0; i < 3; ++i)
       if (i != k - 1) q[1 + i] = (R[k - 1][i] + R[i][k - 1]) / s;
   }
-  if (q[0] < 0) for (double& v : q) v = -v;
+  if (q[0] < 0)
+    for (double& v : q) v = -v;
   return q;
 }
 
-// What the instrument shows of a feature at T_in_at; noise in the feature's own frame for rotations.
+// What the instrument shows of a feature at T_in_at; noise in the feature's own frame for
+// rotations.
 std::vector<double> show(const Feature& f, Pose pose, const std::function<double()>& gauss) {
   const double sl = f.sigma_length.value_or(0), sa = f.sigma_angle.value_or(0);
   auto& [R, p] = pose;
   auto turned = [&, &R = R] {
     Matrix3<double> out{};
-    const Rigid<double> noisy = Rigid<double>(R, {}) * rotate_by_vector<double>(sa * gauss(), sa * gauss(), sa * gauss());
+    const Rigid<double> noisy =
+        Rigid<double>(R, {}) * rotate_by_vector<double>(sa * gauss(), sa * gauss(), sa * gauss());
     out = noisy.rotation();
     return out;
   };
@@ -82,14 +87,17 @@ std::vector<double> show(const Feature& f, Pose pose, const std::function<double
     case Kind::direction: {
       if (f.observed.angles) {
         std::vector<double> angles;
-        for (int i = 0; i < 3; ++i) angles.push_back(std::acos(std::clamp(R[i][2], -1.0, 1.0)) + sa * gauss());
+        for (int i = 0; i < 3; ++i)
+          angles.push_back(std::acos(std::clamp(R[i][2], -1.0, 1.0)) + sa * gauss());
         return angles;
       }
       const Matrix3<double> T = turned();
       return {T[0][2], T[1][2], T[2][2]};
     }
-    case Kind::scalar: return {std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) + sl * gauss()};
-    case Kind::nothing: return {};
+    case Kind::scalar:
+      return {std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) + sl * gauss()};
+    case Kind::nothing:
+      return {};
   }
   return {};
 }
@@ -116,8 +124,11 @@ std::vector<Coordinate> coordinates(const Program& program) {
   for (const Unknown& u : program.unknowns) {
     list.push_back({u.name, u.name, u.dimension, u.start.value, {}});
     if (!u.per.empty()) continue;
-    if (u.start.bounds && std::isfinite(u.start.bounds->first) && std::isfinite(u.start.bounds->second)) list.back().range = u.start.bounds;
-    else if (u.dimension == angle) list.back().range = turn;
+    if (u.start.bounds && std::isfinite(u.start.bounds->first) &&
+        std::isfinite(u.start.bounds->second))
+      list.back().range = u.start.bounds;
+    else if (u.dimension == angle)
+      list.back().range = turn;
   }
   return list;
 }
@@ -125,8 +136,10 @@ std::vector<Coordinate> coordinates(const Program& program) {
 std::vector<std::string> words_of(const std::string& text, char separator) {
   std::vector<std::string> words{""};
   for (char c : text) {
-    if (c == separator) words.emplace_back();
-    else words.back() += c;
+    if (c == separator)
+      words.emplace_back();
+    else
+      words.back() += c;
   }
   return words;
 }
@@ -140,7 +153,9 @@ Settings random_settings(const Program& program, int count, std::uint64_t seed) 
   for (int k = 0; k < count; ++k) {
     auto& pose = settings.poses.emplace_back();
     for (const Coordinate& c : list)
-      pose.push_back(c.range ? std::uniform_real_distribution<double>(c.range->first, std::nextafter(c.range->second, 1e300))(random) : c.rest);
+      pose.push_back(c.range ? std::uniform_real_distribution<double>(
+                                   c.range->first, std::nextafter(c.range->second, 1e300))(random)
+                             : c.rest);
   }
   return settings;
 }
@@ -158,9 +173,13 @@ Settings grid_settings(const Program& program, const std::string& grid) {
     if (name.empty() && equals == std::string::npos) continue;
     const auto it = std::find(names.begin(), names.end(), name);
     if (it == names.end() || equals == std::string::npos)
-      throw InputError(place, fmt::format("'{}'", part), "name=first:last:step or name=a,b,c with one of: " + join(names), nearest(name, names));
+      throw InputError(place, fmt::format("'{}'", part),
+                       "name=first:last:step or name=a,b,c with one of: " + join(names),
+                       nearest(name, names));
     const Coordinate& c = list[it - names.begin()];
-    auto value = [&](const std::string& text) { return parse_quantity(text, c.dimension, program.units, place).value; };
+    auto value = [&](const std::string& text) {
+      return parse_quantity(text, c.dimension, program.units, place).value;
+    };
     const std::string values = part.substr(equals + 1);
     auto& axis = axes[it - names.begin()];
     axis.clear();
@@ -171,9 +190,13 @@ Settings grid_settings(const Program& program, const std::string& grid) {
     const std::vector<std::string> words = words_of(values, ':');
     if (words.size() != 3) throw InputError(place, fmt::format("'{}'", values), "first:last:step");
     const double first = value(words[0]), last = value(words[1]), step = value(words[2]);
-    if (!(step > 0) || last < first) throw InputError(place, fmt::format("'{}'", values), "first below last, and a step above zero");
+    if (!(step > 0) || last < first)
+      throw InputError(place, fmt::format("'{}'", values),
+                       "first below last, and a step above zero");
     const double count = std::floor((last - first) / step + 1e-9);
-    if (count > 1e6) throw InputError(place, fmt::format("'{}' makes {:.3g} values", values, count + 1), "at most a million");
+    if (count > 1e6)
+      throw InputError(place, fmt::format("'{}' makes {:.3g} values", values, count + 1),
+                       "at most a million");
     for (int i = 0; i <= static_cast<int>(count); ++i) axis.push_back(first + i * step);
   }
   Settings settings{{{}}};
@@ -193,13 +216,15 @@ Settings grid_settings(const Program& program, const std::string& grid) {
 }
 
 Settings settings_from(Program& program, const Recordings& recordings, int threads) {
-  const bool given = std::all_of(program.readings.begin(), program.readings.end(), [&](const Reading& r) { return recordings.find(r.column); });
+  const bool given = std::all_of(program.readings.begin(), program.readings.end(),
+                                 [&](const Reading& r) { return recordings.find(r.column); });
   Settings settings;
   if (given) {
     for (std::size_t k = 0; k < recordings.rows(); ++k) {
       auto& pose = settings.poses.emplace_back();
       for (const Coordinate& c : coordinates(program))
-        pose.push_back(recordings.find(c.column) ? recordings.get(c.column, c.dimension).values[k] : c.rest);
+        pose.push_back(recordings.find(c.column) ? recordings.get(c.column, c.dimension).values[k]
+                                                 : c.rest);
     }
     return settings;
   }
@@ -208,7 +233,8 @@ Settings settings_from(Program& program, const Recordings& recordings, int threa
   const std::vector<Unknown> unknowns = program.unknowns;
   program.readings.clear();
   program.unknowns.clear();
-  for (const Reading& r : readings) program.unknowns.push_back({r.sensor, r.dimension, {}, {}, r.place, r.slot});
+  for (const Reading& r : readings)
+    program.unknowns.push_back({r.sensor, r.dimension, {}, {}, r.place, r.slot});
   for (Unknown u : unknowns) {  // the model's own unknowns stay at their start
     u.per.clear();
     u.start.tolerance = 1e-9 * typical_size(u.start, u.dimension);
@@ -226,7 +252,9 @@ Settings settings_from(Program& program, const Recordings& recordings, int threa
   for (int attempt = 0; attempt < 40; ++attempt) {
     for (std::size_t i = 0; i < readings.size(); ++i) {
       const auto [low, high] = readings[i].range.value_or(std::pair(-90 * deg, 90 * deg));
-      program.unknowns[i].start.value = attempt == 0 ? 0.5 * (low + high) : std::uniform_real_distribution<double>(low, high)(random);
+      program.unknowns[i].start.value =
+          attempt == 0 ? 0.5 * (low + high)
+                       : std::uniform_real_distribution<double>(low, high)(random);
     }
     Problem problem(program, recordings, rows, Groups(program, recordings), options);
     const Problem::Residuals r = problem.residuals({});
@@ -237,10 +265,13 @@ Settings settings_from(Program& program, const Recordings& recordings, int threa
       for (std::size_t i = 0; i < readings.size(); ++i) {
         double v = r.latent(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i));
         if (readings[i].dimension == angle) v = std::remainder(v, 360 * deg);
-        if (readings[i].range) inside &= v >= readings[i].range->first - 1e-9 && v <= readings[i].range->second + 1e-9;
+        if (readings[i].range)
+          inside &= v >= readings[i].range->first - 1e-9 && v <= readings[i].range->second + 1e-9;
         pose.push_back(v);
       }
-      const double score = left < 1e-3 ? (inside ? 0 : 1) : 2 + left;  // reached inside its ranges, reached, not reached
+      const double score = left < 1e-3
+                               ? (inside ? 0 : 1)
+                               : 2 + left;  // reached inside its ranges, reached, not reached
       if (score < best[k]) best[k] = score, settings.poses[k] = pose;
     }
     if (std::all_of(best.begin(), best.end(), [](double s) { return s == 0; })) break;
@@ -250,14 +281,19 @@ Settings settings_from(Program& program, const Recordings& recordings, int threa
   for (auto& pose : settings.poses)
     for (const Unknown& u : unknowns) pose.push_back(u.start.value);
   for (std::size_t k = 0; k < rows.size(); ++k)
-    if (best[k] >= 2) throw InputError({recordings.file, recordings.lines[k], 0}, "this pose cannot be reached by the linkage");
+    if (best[k] >= 2)
+      throw InputError({recordings.file, recordings.lines[k], 0},
+                       "this pose cannot be reached by the linkage");
   return settings;
 }
 
-Recordings simulate(const Program& program, const Settings& settings, const SimulateOptions& options) {
+Recordings simulate(const Program& program, const Settings& settings,
+                    const SimulateOptions& options) {
   std::mt19937_64 random(options.seed);
   std::normal_distribution<double> normal;
-  const std::function<double()> gauss = [&] { return options.noise > 0 ? options.noise * normal(random) : 0.0; };
+  const std::function<double()> gauss = [&] {
+    return options.noise > 0 ? options.noise * normal(random) : 0.0;
+  };
   Recordings out;
   auto column = [&](const std::string& name, Dimension dimension) {
     Unit unit = program.units.of(dimension);
@@ -274,20 +310,24 @@ Recordings simulate(const Program& program, const Settings& settings, const Simu
   for (const Parameter& p : program.parameters) slots[p.slot] = p.nominal.value;
   const std::size_t readings = program.readings.size();
   for (std::size_t k = 0; k < settings.poses.size(); ++k) {
-    for (std::size_t u = 0; u < program.unknowns.size(); ++u) slots[program.unknowns[u].slot] = settings.poses[k][readings + u];
+    for (std::size_t u = 0; u < program.unknowns.size(); ++u)
+      slots[program.unknowns[u].slot] = settings.poses[k][readings + u];
     std::size_t next = 0;
     out.lines.push_back(static_cast<int>(k) + 2);
     out.columns[next++].values.push_back(static_cast<double>(k + 1));
     for (std::size_t i = 0; i < readings; ++i) {
       slots[program.readings[i].slot] = settings.poses[k][i];
-      out.columns[next++].values.push_back(settings.poses[k][i] + program.readings[i].sigma * gauss());
+      out.columns[next++].values.push_back(settings.poses[k][i] +
+                                           program.readings[i].sigma * gauss());
     }
     for (std::size_t f = 0; f < program.features.size(); ++f) {
       const std::vector<double> shown = show(program.features[f], chains[f](slots), gauss);
       if (shown.size() != program.features[f].columns.size())
-        throw InputError(program.features[f].place, fmt::format("feature '{}' cannot be simulated: it measures {} columns", program.features[f].name,
-                                                                 program.features[f].columns.size()),
-                         fmt::format("{} columns, as a {} has", shown.size(), to_string(program.features[f].kind)));
+        throw InputError(program.features[f].place,
+                         fmt::format("feature '{}' cannot be simulated: it measures {} columns",
+                                     program.features[f].name, program.features[f].columns.size()),
+                         fmt::format("{} columns, as a {} has", shown.size(),
+                                     to_string(program.features[f].kind)));
       for (double v : shown) out.columns[next++].values.push_back(v);
     }
   }
@@ -295,7 +335,8 @@ Recordings simulate(const Program& program, const Settings& settings, const Simu
   if (options.noise > 0)
     for (RecordedColumn& c : out.columns) {
       const double digits = c.unit.dimension == number ? 1e9 : 1e6;
-      for (double& v : c.values) v = c.unit.factor * (std::round(v / c.unit.factor * digits) / digits);
+      for (double& v : c.values)
+        v = c.unit.factor * (std::round(v / c.unit.factor * digits) / digits);
     }
   return out;
 }

@@ -27,8 +27,8 @@ class WholeProblem : public ceres::CostFunction {
     const Normal normal = problem_.normal(at);
     if (!normal.factor.allFinite()) return false;
     Eigen::Map<Eigen::VectorXd>(residuals, n + 1) = normal.factor.col(n);
-    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(jacobians[0], n + 1, n) =
-        normal.factor.leftCols(n);
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+        jacobians[0], n + 1, n) = normal.factor.leftCols(n);
     return true;
   }
 
@@ -36,17 +36,20 @@ class WholeProblem : public ceres::CostFunction {
   Problem& problem_;
 };
 
-// Ends a solution that creeps along a valley: over 25 iterations chi-square has fallen by less than a
-// five-hundredth part of one residual's square, which no figure of the report shows.
+// Ends a solution that creeps along a valley: over 25 iterations chi-square has fallen by less than
+// a five-hundredth part of one residual's square, which no figure of the report shows.
 class Creeping : public ceres::IterationCallback {
  public:
   explicit Creeping(const Problem& problem)
-      : rows_(std::max<double>(1, static_cast<double>(problem.data().used()))), least_(problem.noise_known() ? 1 : 0) {}
+      : rows_(std::max<double>(1, static_cast<double>(problem.data().used()))),
+        least_(problem.noise_known() ? 1 : 0) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
     lowest_.push_back(lowest_.empty() ? summary.cost : std::min(lowest_.back(), summary.cost));
     const std::size_t n = lowest_.size();
     const double scale = std::max(least_, lowest_.back() / rows_);
-    return n > 25 && lowest_[n - 26] - lowest_[n - 1] < 1e-3 * scale ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+    return n > 25 && lowest_[n - 26] - lowest_[n - 1] < 1e-3 * scale
+               ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
+               : ceres::SOLVER_CONTINUE;
   }
 
  private:
@@ -56,20 +59,24 @@ class Creeping : public ceres::IterationCallback {
 
 std::string words(const ceres::Solver::Summary& summary) {
   switch (summary.termination_type) {
-    case ceres::USER_SUCCESS: return "cost no longer changes noticeably";
+    case ceres::USER_SUCCESS:
+      return "cost no longer changes noticeably";
     case ceres::CONVERGENCE: {
       if (summary.message.starts_with("Function tolerance")) return "cost no longer changes";
       if (summary.message.starts_with("Parameter tolerance")) return "parameters no longer change";
       if (summary.message.starts_with("Gradient tolerance")) return "gradient is zero";
       return "converged";
     }
-    case ceres::NO_CONVERGENCE: return "iteration limit";
-    default: return "failed: " + summary.message;
+    case ceres::NO_CONVERGENCE:
+      return "iteration limit";
+    default:
+      return "failed: " + summary.message;
   }
 }
 
 // Minimises with the entries `held` standing still.
-SolveReport minimise(Problem& problem, std::vector<double>& x, const SolveOptions& options, const std::vector<int>& held) {
+SolveReport minimise(Problem& problem, std::vector<double>& x, const SolveOptions& options,
+                     const std::vector<int>& held) {
   SolveReport report;
   const int n = problem.size();
   ceres::Problem ceres_problem;
@@ -94,10 +101,12 @@ SolveReport minimise(Problem& problem, std::vector<double>& x, const SolveOption
   solver.callbacks.push_back(&creeping);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &ceres_problem, &summary);
-  report.converged = summary.termination_type == ceres::CONVERGENCE || summary.termination_type == ceres::USER_SUCCESS;
+  report.converged = summary.termination_type == ceres::CONVERGENCE ||
+                     summary.termination_type == ceres::USER_SUCCESS;
   report.iterations = static_cast<int>(summary.iterations.size()) - 1;
   report.initial_cost = summary.initial_cost;
-  report.final_cost = summary.IsSolutionUsable() ? summary.final_cost : std::numeric_limits<double>::infinity();
+  report.final_cost =
+      summary.IsSolutionUsable() ? summary.final_cost : std::numeric_limits<double>::infinity();
   report.seconds = summary.total_time_in_seconds;
   report.stopped = words(summary);
   return report;
@@ -107,11 +116,14 @@ SolveReport minimise(Problem& problem, std::vector<double>& x, const SolveOption
 std::vector<int> pushed(Problem& problem, const std::vector<double>& x) {
   std::vector<int> at_bound;
   for (int i = 0; i < problem.size(); ++i)
-    if (const auto& b = problem.quantity(i).bounds; b && (x[i] <= b->first || x[i] >= b->second)) at_bound.push_back(i);
+    if (const auto& b = problem.quantity(i).bounds; b && (x[i] <= b->first || x[i] >= b->second))
+      at_bound.push_back(i);
   if (at_bound.empty()) return at_bound;
   const Eigen::MatrixXd F = problem.normal(x).factor;
   const Eigen::VectorXd g = F.leftCols(problem.size()).transpose() * F.col(problem.size());
-  std::erase_if(at_bound, [&](int i) { return x[i] <= problem.quantity(i).bounds->first ? g[i] <= 0 : g[i] >= 0; });
+  std::erase_if(at_bound, [&](int i) {
+    return x[i] <= problem.quantity(i).bounds->first ? g[i] <= 0 : g[i] >= 0;
+  });
   return at_bound;
 }
 
@@ -131,8 +143,9 @@ SolveReport solve(Problem& problem, std::vector<double>& x, const SolveOptions& 
     report.stopped = "the model cannot be evaluated at the start";
     return report;
   }
-  // Ceres' steps are cut off at a bound one by one, which may end beside the minimum along it: what is pushed
-  // against a bound is held there and the others are solved for again, until nothing more changes.
+  // Ceres' steps are cut off at a bound one by one, which may end beside the minimum along it: what
+  // is pushed against a bound is held there and the others are solved for again, until nothing more
+  // changes.
   std::vector<int> held = options.held;
   for (int round = 0; round < 10; ++round) {
     const SolveReport next = minimise(problem, x, options, held);

@@ -1,6 +1,7 @@
-// Ceres minimises a problem. It is handed one residual block of n+1 rows: the triangular factor of the
-// problem's normal matrix, which has the same cost, gradient and Gauss-Newton matrix as all rows of all poses.
-// So Ceres stays the solver (trust region, bounds, stopping) and the time goes into evaluating poses.
+// Ceres minimises a problem. It is handed one residual block of n+1 rows: the triangular factor of
+// the problem's normal matrix, which has the same cost, gradient and Gauss-Newton matrix as all
+// rows of all poses. So Ceres stays the solver (trust region, bounds, stopping) and the time goes
+// into evaluating poses.
 #pragma once
 
 #include <string>

@@ -23,13 +23,14 @@ struct Options {
   FitOptions fit;
 };
 
-// Columns whose equal rows must stay on one side: what unknowns are shared by, sessions where there are enough, and what
-// the user names.
+// Columns whose equal rows must stay on one side: what unknowns are shared by, sessions where there
+// are enough, and what the user names.
 SplitOptions split_options(const Program& program, const Recordings& recordings, const Options& o) {
   SplitOptions split;
   split.check_share = o.check;
   split.seed = o.common.seed;
-  for (const std::string& columns : o.groups) split.group_columns.push_back(CLI::detail::split(columns, ','));
+  for (const std::string& columns : o.groups)
+    split.group_columns.push_back(CLI::detail::split(columns, ','));
   if (!program.settings.groups.empty()) split.group_columns.push_back(program.settings.groups);
   for (const Unknown& u : program.unknowns)
     if (!u.per.empty()) split.group_columns.push_back(u.per);
@@ -37,20 +38,23 @@ SplitOptions split_options(const Program& program, const Recordings& recordings,
     std::set<double> sessions;
     for (double v : session->values)
       if (!std::isnan(v)) sessions.insert(v);
-    if (sessions.size() >= 4 && split.group_columns.empty()) split.group_columns.push_back({"session"});
+    if (sessions.size() >= 4 && split.group_columns.empty())
+      split.group_columns.push_back({"session"});
   }
   for (const Reading& r : program.readings)
     if (recordings.find(r.column)) split.reading_columns.push_back(r.column);
   return split;
 }
 
-std::string fold_table(const Program& program, const Recordings& recordings, const Split& split, const Options& o) {
+std::string fold_table(const Program& program, const Recordings& recordings, const Split& split,
+                       const Options& o) {
   std::string out = fmt::format("\nHeld out by {} folds of whole groups\n", o.folds);
   double sum = 0;
   std::size_t rows = 0;
   int n = 0;
   const auto all = folds(split.group, o.folds, o.common.seed);
-  if (all.empty()) throw InputError({o.recordings, 0, 0}, "--folds: all rows are one group", "two groups or more");
+  if (all.empty())
+    throw InputError({o.recordings, 0, 0}, "--folds: all rows are one group", "two groups or more");
   for (const auto& held : all) {
     Split fold;
     fold.check = held;
@@ -58,24 +62,36 @@ std::string fold_table(const Program& program, const Recordings& recordings, con
     for (std::size_t k = 0; k < recordings.rows(); ++k)
       if (!out_of.contains(k)) fold.fit.push_back(k);
     const Fit fit = calibrate(program, recordings, fold, o.fit);
-    out += fmt::format("  fold {}: {} poses held out, residuals {:.4g} fitted, {:.4g} held out\n", ++n, held.size(), fit.fit_rms, fit.heldout_rms);
+    out += fmt::format("  fold {}: {} poses held out, residuals {:.4g} fitted, {:.4g} held out\n",
+                       ++n, held.size(), fit.fit_rms, fit.heldout_rms);
     sum += fit.heldout_rms * fit.heldout_rms * static_cast<double>(held.size());
     rows += held.size();
   }
-  return out + fmt::format("  all folds: {:.4g} held out (root mean square)\n", std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, rows))));
+  return out + fmt::format("  all folds: {:.4g} held out (root mean square)\n",
+                           std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, rows))));
 }
 
-// Weights w and 1 - w for the two residuals of <calibrate>; the best by the check rows' RMSE in % of full scale.
-std::string sweep(Model& model, const Registry& registry, const Recordings& recordings, const Options& o) {
+// Weights w and 1 - w for the two residuals of <calibrate>; the best by the check rows' RMSE in %
+// of full scale.
+std::string sweep(Model& model, const Registry& registry, const Recordings& recordings,
+                  const Options& o) {
   double first = 0, last = 1, step = 0.1;
-  if (std::sscanf(o.sweep.c_str(), "%lf:%lf:%lf", &first, &last, &step) != 3 || !(step > 0) || last < first || first < 0 || last > 1)
-    throw InputError({"--sweep " + o.sweep, 0, 0}, "not a range of weights", "first:last:step within 0 to 1, such as 0:1:0.05");
+  if (std::sscanf(o.sweep.c_str(), "%lf:%lf:%lf", &first, &last, &step) != 3 || !(step > 0) ||
+      last < first || first < 0 || last > 1)
+    throw InputError({"--sweep " + o.sweep, 0, 0}, "not a range of weights",
+                     "first:last:step within 0 to 1, such as 0:1:0.05");
   const int count = static_cast<int>(std::floor((last - first) / step + 1e-9));
-  if (count > 1000) throw InputError({"--sweep " + o.sweep, 0, 0}, fmt::format("{} weights", count + 1), "at most 1001");
-  if (std::none_of(model.root.children.begin(), model.root.children.end(), [](const Element& e) { return e.tag == "calibrate"; }))
+  if (count > 1000)
+    throw InputError({"--sweep " + o.sweep, 0, 0}, fmt::format("{} weights", count + 1),
+                     "at most 1001");
+  if (std::none_of(model.root.children.begin(), model.root.children.end(),
+                   [](const Element& e) { return e.tag == "calibrate"; }))
     throw InputError({o.model, 0, 0}, "--sweep needs a <calibrate> element with two residuals");
-  std::string out = "\nSweep of the first residual's weight (RMSE of the check rows in % of full-scale range). As in the papers, the weight is\n"
-                    "chosen on the rows held out, so their errors above are a little better than fresh rows would show.\n";
+  std::string out =
+      "\nSweep of the first residual's weight (RMSE of the check rows in % of full-scale range). "
+      "As in the papers, the weight is\n"
+      "chosen on the rows held out, so their errors above are a little better than fresh rows "
+      "would show.\n";
   double best = INFINITY, best_weight = first;
   for (int i = 0; i <= count; ++i) {
     const double w = first + i * step;
@@ -88,26 +104,31 @@ std::string sweep(Model& model, const Registry& registry, const Recordings& reco
     int counted = 0;
     for (const Measure& m : fit.measures_check)
       if (std::isfinite(m.percent_fsr)) mean += m.percent_fsr, ++counted;
-    if (counted == 0) throw InputError("--sweep needs rows held out, and measures with a full-scale range");
+    if (counted == 0)
+      throw InputError("--sweep needs rows held out, and measures with a full-scale range");
     mean /= counted;
     out += fmt::format("  weight {:.3f}: mean {:.4f} %, {} iterations\n", w, mean, fit.iterations);
     if (mean < best) best = mean, best_weight = w;
   }
   for (Element& child : model.root.children)
-    if (child.tag == "calibrate") child.set("weight", fmt::format("{:.10g}, {:.10g}", best_weight, 1 - best_weight));
+    if (child.tag == "calibrate")
+      child.set("weight", fmt::format("{:.10g}, {:.10g}", best_weight, 1 - best_weight));
   return out + fmt::format("  best: {:.3f}\n", best_weight);
 }
 
 void run(Options& o) {
   const std::filesystem::path folder = o.common.out.empty() ? "." : o.common.out;
-  if (std::filesystem::exists(folder) && !std::filesystem::is_directory(folder)) throw InputError({folder.string(), 0, 0}, "is no folder", "--out DIR");
+  if (std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
+    throw InputError({folder.string(), 0, 0}, "is no folder", "--out DIR");
   check_writable(o.common.json);
   Registry registry = o.common.registry();
   Model model = open_model(o.model, registry, o.common);
   const Recordings recordings = read_recordings(o.recordings);
   o.fit.threads = o.common.thread_count();
   o.fit.seed = o.common.seed;
-  o.fit.solver = o.solver == "gram" ? FitOptions::Solver::gram : o.solver == "qr" ? FitOptions::Solver::qr : FitOptions::Solver::automatic;
+  o.fit.solver = o.solver == "gram" ? FitOptions::Solver::gram
+                 : o.solver == "qr" ? FitOptions::Solver::qr
+                                    : FitOptions::Solver::automatic;
   std::string sweep_table;
   if (!o.sweep.empty()) sweep_table = sweep(model, registry, recordings, o);
   const Program program = compile(model, registry);
@@ -120,14 +141,18 @@ void run(Options& o) {
   Model calibrated = calibrated_model(model, program, fit);
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw InputError({folder.string(), 0, 0}, "cannot be made: " + error.message(), "--out DIR");
+  if (error)
+    throw InputError({folder.string(), 0, 0}, "cannot be made: " + error.message(), "--out DIR");
   const bool lua = o.model.ends_with(".lua");
-  const std::string file = (folder / (std::filesystem::path(o.model).stem().string() + (lua ? "-calibrated.lua" : "-calibrated.xml"))).string();
+  const std::string file = (folder / (std::filesystem::path(o.model).stem().string() +
+                                      (lua ? "-calibrated.lua" : "-calibrated.xml")))
+                               .string();
   move_plugin_paths(calibrated, o.model, file);
   if (!o.common.json.empty()) put(o.common.json, json_report(program, fit, context));
   write_file(file, lua ? write_lua(calibrated) : write_xml(calibrated));
   if (!o.common.quiet && o.common.json != "-") fmt::print("{}Calibrated model: {}\n", text, file);
-  for (const std::string& warning : o.common.quiet || o.common.json == "-" ? fit.warnings : std::vector<std::string>{})
+  for (const std::string& warning :
+       o.common.quiet || o.common.json == "-" ? fit.warnings : std::vector<std::string>{})
     fmt::print(stderr, "Warning: {}\n", warning);
   exit_code() = fit.converged ? 0 : 1;
 }
@@ -135,17 +160,34 @@ void run(Options& o) {
 }  // namespace
 
 void add_calibrate(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("calibrate", "fit a model's free parameters to recordings; writes the calibrated model");
+  CLI::App* command = app.add_subcommand(
+      "calibrate", "fit a model's free parameters to recordings; writes the calibrated model");
   auto o = std::make_shared<Options>();
   command->add_option("model", o->model, "model file (.xml or .lua)")->required();
   command->add_option("recordings", o->recordings, "recordings (.csv or .trc)")->required();
-  command->add_option("--check", o->check, "share of the groups held out, where there is no column `use`")->capture_default_str()->check(CLI::Range(0.0, 0.9));
-  command->add_option("--group", o->groups, "columns whose equal rows stay on one side of the split: star, or location,hole together")->allow_extra_args(false);
-  command->add_option("--folds", o->folds, "also hold out every group once, in this many folds")->check(CLI::Range(2, 1000));
+  command
+      ->add_option("--check", o->check,
+                   "share of the groups held out, where there is no column `use`")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 0.9));
+  command
+      ->add_option(
+          "--group", o->groups,
+          "columns whose equal rows stay on one side of the split: star, or location,hole together")
+      ->allow_extra_args(false);
+  command->add_option("--folds", o->folds, "also hold out every group once, in this many folds")
+      ->check(CLI::Range(2, 1000));
   command->add_option("--sweep", o->sweep, "try weights w, 1-w of two residuals: first:last:step");
-  command->add_option("--restarts", o->fit.restarts, "further starts, scattered over the tolerances")->check(CLI::Range(0, 10000))->capture_default_str();
-  command->add_option("--iterations", o->fit.max_iterations, "iteration limit")->check(CLI::Range(1, 100000))->capture_default_str();
-  command->add_option("--solver", o->solver, "auto, gram (normal equations) or qr")->check(CLI::IsMember({"auto", "gram", "qr"}))->capture_default_str();
+  command
+      ->add_option("--restarts", o->fit.restarts, "further starts, scattered over the tolerances")
+      ->check(CLI::Range(0, 10000))
+      ->capture_default_str();
+  command->add_option("--iterations", o->fit.max_iterations, "iteration limit")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_option("--solver", o->solver, "auto, gram (normal equations) or qr")
+      ->check(CLI::IsMember({"auto", "gram", "qr"}))
+      ->capture_default_str();
   add_common(*command, o->common, true, true);
   command->callback([o] { run(*o); });
 }

@@ -21,20 +21,27 @@ std::string chain_text(const Program& program) {
   branch(0, 0);
   out += "Readings\n";
   for (const Reading& r : program.readings)
-    out += fmt::format("  {:<14} {:<10} {}\n", r.sensor, r.column, formula(r.value, program.slot_names));
+    out += fmt::format("  {:<14} {:<10} {}\n", r.sensor, r.column,
+                       formula(r.value, program.slot_names));
   if (!program.unknowns.empty()) out += "Unknowns\n";
   for (const Unknown& u : program.unknowns)
     out += fmt::format("  {:<14} per {}\n", u.name, u.per.empty() ? "pose" : join(u.per));
   out += "Measured features\n";
   for (const Feature& f : program.features)
-    out += fmt::format("  {:<14} {} of {} in {}\n", f.name, f.tag, program.chains[f.chain].at, program.chains[f.chain].in);
+    out += fmt::format("  {:<14} {} of {} in {}\n", f.name, f.tag, program.chains[f.chain].at,
+                       program.chains[f.chain].in);
   out += "Residual rows\n";
   for (const Row& row : program.rows)
-    out += fmt::format("  {:<14} {}\n", row.measure, row.sigma ? fmt::format("sigma {:.4g} {}", *row.sigma / program.units.of(row.dimension).factor,
-                                                                          program.units.of(row.dimension).text) : "no stated sigma");
+    out += fmt::format("  {:<14} {}\n", row.measure,
+                       row.sigma ? fmt::format("sigma {:.4g} {}",
+                                               *row.sigma / program.units.of(row.dimension).factor,
+                                               program.units.of(row.dimension).text)
+                                 : "no stated sigma");
   out += fmt::format("{} free parameters\n", program.parameters.size());
   for (const Parameter& p : program.parameters)
-    out += fmt::format("  {:<20} {} {}\n", p.name, write_quantity(p.nominal, p.dimension, program.units), program.units.of(p.dimension).text);
+    out += fmt::format("  {:<20} {} {}\n", p.name,
+                       write_quantity(p.nominal, p.dimension, program.units),
+                       program.units.of(p.dimension).text);
   return out;
 }
 
@@ -48,7 +55,8 @@ void run(const std::string& model_file, const std::string& recordings_file, cons
   for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = k;
   Problem problem(program, recordings, rows, Groups(program, recordings), {});
   const Identifiability seen = identify(problem, problem.start(), 1, program.units);
-  fmt::print("{} poses; at the nominal values {} of {} directions are seen\n", rows.size(), seen.seen, problem.size());
+  fmt::print("{} poses; at the nominal values {} of {} directions are seen\n", rows.size(),
+             seen.seen, problem.size());
   for (const std::string& sentence : seen.unseen) fmt::print("  - {}\n", sentence);
   if (problem.data().missing()) fmt::print("{} residuals lack a value\n", problem.data().missing());
 }
@@ -56,7 +64,8 @@ void run(const std::string& model_file, const std::string& recordings_file, cons
 }  // namespace
 
 void add_check(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("check", "parse and check a model, and recordings with it; print the chain");
+  CLI::App* command = app.add_subcommand(
+      "check", "parse and check a model, and recordings with it; print the chain");
   auto common = std::make_shared<Common>();
   auto files = std::make_shared<std::pair<std::string, std::string>>();
   command->add_option("model", files->first, "model file (.xml or .lua)")->required();

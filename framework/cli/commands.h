@@ -24,7 +24,8 @@ struct Common {
 // --plugin, --quiet; with `results` also --out, --json, --seed, --threads; with `model` also --set.
 void add_common(CLI::App& command, Common& common, bool model, bool results);
 
-// Reads a model and applies --set NAME=VALUE (element.attribute=..., or an attribute of <calibrate>).
+// Reads a model and applies --set NAME=VALUE (element.attribute=..., or an attribute of
+// <calibrate>).
 Model open_model(const std::string& file, Registry& registry, const Common& common);
 
 // Writes to a file beside which nothing is left half done, or to standard output for "-".

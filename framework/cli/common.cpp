@@ -20,15 +20,25 @@ int Common::thread_count() const {
 }
 
 void add_common(CLI::App& command, Common& common, bool model, bool results) {
-  command.add_option("--plugin", common.plugins, "load a plugin: FILE.so or FILE.lua")->type_name("FILE")->allow_extra_args(false);
+  command.add_option("--plugin", common.plugins, "load a plugin: FILE.so or FILE.lua")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
   if (results) command.add_flag("--quiet", common.quiet, "print results only to files");
   if (model)
-    command.add_option("--set", common.sets, "change one attribute: joint2.a=\"300 ?\", residual=\"position\"")->type_name("NAME=VALUE")->allow_extra_args(false);
+    command
+        .add_option("--set", common.sets,
+                    "change one attribute: joint2.a=\"300 ?\", residual=\"position\"")
+        ->type_name("NAME=VALUE")
+        ->allow_extra_args(false);
   if (!results) return;
   command.add_option("--out", common.out, "folder for the files written")->type_name("DIR");
-  command.add_option("--json", common.json, "write the results as JSON (- for standard output)")->type_name("FILE");
+  command.add_option("--json", common.json, "write the results as JSON (- for standard output)")
+      ->type_name("FILE");
   command.add_option("--seed", common.seed, "seed of all random choices")->capture_default_str();
-  command.add_option("--threads", common.threads, "threads (default: one per core); results do not depend on it")->check(CLI::Range(1, 1024));
+  command
+      .add_option("--threads", common.threads,
+                  "threads (default: one per core); results do not depend on it")
+      ->check(CLI::Range(1, 1024));
 }
 
 static void names_of(const Element& element, std::vector<std::string>& names) {
@@ -43,7 +53,8 @@ Model open_model(const std::string& file, Registry& registry, const Common& comm
   for (const std::string& set : common.sets) {
     const Place place{"--set " + set, 0, 0};
     const std::size_t equals = set.find('=');
-    if (equals == std::string::npos || equals == 0) throw InputError(place, equals ? "no '=' found" : "no name before '='", "NAME=VALUE");
+    if (equals == std::string::npos || equals == 0)
+      throw InputError(place, equals ? "no '=' found" : "no name before '='", "NAME=VALUE");
     const std::string name = set.substr(0, equals), value = set.substr(equals + 1);
     const std::size_t dot = name.find('.');
     if (Element* named = dot == std::string::npos ? model.root.find_named(name) : nullptr) {
@@ -53,14 +64,21 @@ Model open_model(const std::string& file, Registry& registry, const Common& comm
     } else if (dot == std::string::npos || name.substr(0, dot) == "calibrate") {
       bool any = false;
       for (Element& child : model.root.children)
-        if (child.tag == "calibrate") child.set(name.substr(dot == std::string::npos ? 0 : dot + 1), value), any = true;
-      if (!any) model.root.children.push_back({"calibrate", {{name.substr(dot == std::string::npos ? 0 : dot + 1), value, place}}, {}, place});
+        if (child.tag == "calibrate")
+          child.set(name.substr(dot == std::string::npos ? 0 : dot + 1), value), any = true;
+      if (!any)
+        model.root.children.push_back(
+            {"calibrate",
+             {{name.substr(dot == std::string::npos ? 0 : dot + 1), value, place}},
+             {},
+             place});
     } else {
       Element* element = model.root.find_named(name.substr(0, dot));
       std::vector<std::string> names;
       names_of(model.root, names);
       if (!element)
-        throw InputError(place, fmt::format("no element '{}'", name.substr(0, dot)), "one of: " + join(names), nearest(name.substr(0, dot), names));
+        throw InputError(place, fmt::format("no element '{}'", name.substr(0, dot)),
+                         "one of: " + join(names), nearest(name.substr(0, dot), names));
       element->set(name.substr(dot + 1), value);
     }
   }
@@ -70,15 +88,21 @@ Model open_model(const std::string& file, Registry& registry, const Common& comm
 
 void check_writable(const std::string& file) {
   if (file.empty() || file == "-") return;
-  const std::filesystem::path path(file), folder = path.has_parent_path() ? path.parent_path() : ".";
+  const std::filesystem::path path(file),
+      folder = path.has_parent_path() ? path.parent_path() : ".";
   std::error_code error;
-  if (!std::filesystem::is_directory(folder, error)) throw InputError({file, 0, 0}, "cannot be written: there is no folder '" + folder.string() + "'");
-  if (std::filesystem::is_directory(path, error)) throw InputError({file, 0, 0}, "cannot be written: it is a folder");
+  if (!std::filesystem::is_directory(folder, error))
+    throw InputError({file, 0, 0},
+                     "cannot be written: there is no folder '" + folder.string() + "'");
+  if (std::filesystem::is_directory(path, error))
+    throw InputError({file, 0, 0}, "cannot be written: it is a folder");
 }
 
 void put(const std::string& file, const std::string& text) {
-  if (file == "-") fmt::print("{}", text);
-  else write_file(file, text);
+  if (file == "-")
+    fmt::print("{}", text);
+  else
+    write_file(file, text);
 }
 
 }  // namespace talus

@@ -23,9 +23,11 @@ int main(int argc, char** argv) {
   try {
     if (argc > 1 && argv[1][0] != '-') {  // a command that does not exist: the nearest one
       std::vector<std::string> names;
-      for (const CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) names.push_back(command->get_name());
+      for (const CLI::App* command : app.get_subcommands([](CLI::App*) { return true; }))
+        names.push_back(command->get_name());
       if (std::find(names.begin(), names.end(), argv[1]) == names.end())
-        throw talus::InputError({"talus", 0, 0}, fmt::format("no command '{}'", argv[1]), "one of: " + talus::join(names), talus::nearest(argv[1], names));
+        throw talus::InputError({"talus", 0, 0}, fmt::format("no command '{}'", argv[1]),
+                                "one of: " + talus::join(names), talus::nearest(argv[1], names));
     }
     app.parse(argc, argv);
     return talus::exit_code();

@@ -11,19 +11,30 @@ namespace {
 std::string describe_plugin(const Plugin& plugin) {
   const Declaration& d = plugin.declaration;
   const UnitSystem units;
-  std::string out = fmt::format("{} ({}, {})\n  {}\n", d.tag, to_string(d.family), plugin.origin, d.summary);
-  if (d.family == Family::sensor) out += fmt::format("  reading in {}, value in {}\n", units.of(d.reading).text, units.of(d.value).text);
+  std::string out =
+      fmt::format("{} ({}, {})\n  {}\n", d.tag, to_string(d.family), plugin.origin, d.summary);
+  if (d.family == Family::sensor)
+    out += fmt::format("  reading in {}, value in {}\n", units.of(d.reading).text,
+                       units.of(d.value).text);
   for (const Input& i : d.inputs) {
-    const std::string otherwise = i.coordinate ? "coordinate" : i.required ? "required" : shortest(i.otherwise / units.of(i.dimension).factor);
-    out += fmt::format("  {:<12} {:<10} {:<10} {}\n", i.name, units.of(i.dimension).text, otherwise, i.meaning);
+    const std::string otherwise = i.coordinate ? "coordinate"
+                                  : i.required
+                                      ? "required"
+                                      : shortest(i.otherwise / units.of(i.dimension).factor);
+    out += fmt::format("  {:<12} {:<10} {:<10} {}\n", i.name, units.of(i.dimension).text, otherwise,
+                       i.meaning);
   }
-  for (const Choice& c : d.choices) out += fmt::format("  {:<12} {:<21} {}\n", c.name, join(c.words, "|"), c.meaning);
+  for (const Choice& c : d.choices)
+    out += fmt::format("  {:<12} {:<21} {}\n", c.name, join(c.words, "|"), c.meaning);
   if (!d.columns.empty()) {
     std::string list;
-    for (const Column& c : d.columns) list += fmt::format(" {}[{}]", c.suffix.empty() ? "(name)" : c.suffix, units.of(c.dimension).text);
+    for (const Column& c : d.columns)
+      list += fmt::format(" {}[{}]", c.suffix.empty() ? "(name)" : c.suffix,
+                          units.of(c.dimension).text);
     out += fmt::format("  {}:{}\n", d.family == Family::residual ? "rows" : "columns", list);
   }
-  if (!d.residuals.empty()) out += "  residuals, where the model names none: " + join(d.residuals) + "\n";
+  if (!d.residuals.empty())
+    out += "  residuals, where the model names none: " + join(d.residuals) + "\n";
   if (d.family == Family::residual) {
     std::vector<std::string> kinds;
     for (Kind k : d.kinds) kinds.push_back(to_string(k));
@@ -49,13 +60,15 @@ void run(const std::string& name, const Common& common) {
   if (any) return;
   std::vector<std::string> tags;
   for (const Plugin* plugin : registry.all()) tags.push_back(plugin->declaration.tag);
-  throw InputError({}, fmt::format("no plugin '{}'", name), "one of: " + join(tags), nearest(name, tags));
+  throw InputError({}, fmt::format("no plugin '{}'", name), "one of: " + join(tags),
+                   nearest(name, tags));
 }
 
 }  // namespace
 
 void add_plugins(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("plugins", "what is registered, with inputs, units and meaning");
+  CLI::App* command =
+      app.add_subcommand("plugins", "what is registered, with inputs, units and meaning");
   auto common = std::make_shared<Common>();
   auto name = std::make_shared<std::string>();
   command->add_option("name", *name, "a tag, to see its inputs");
@@ -64,7 +77,8 @@ void add_plugins(CLI::App& app) {
 }
 
 void add_schema(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("schema", "XML schema of everything registered, for editors and xmllint");
+  CLI::App* command =
+      app.add_subcommand("schema", "XML schema of everything registered, for editors and xmllint");
   auto common = std::make_shared<Common>();
   add_common(*command, *common, false, false);
   command->callback([=] { fmt::print("{}", xml_schema(common->registry())); });

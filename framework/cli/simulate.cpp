@@ -23,28 +23,42 @@ void run(const Options& o) {
     settings = grid_settings(program, o.grid);
   } else if (!o.poses.empty() && o.poses.find_first_not_of("0123456789") == std::string::npos) {
     if (o.poses.size() > 7 || std::stoi(o.poses) == 0 || std::stoi(o.poses) > 1000000)
-      throw InputError({"--poses " + o.poses, 0, 0}, "no such number of poses", "1 to 1000000, or a CSV file");
+      throw InputError({"--poses " + o.poses, 0, 0}, "no such number of poses",
+                       "1 to 1000000, or a CSV file");
     settings = random_settings(program, std::stoi(o.poses), o.common.seed);
   } else {
     settings = settings_from(program, read_recordings(o.poses), o.common.thread_count());
   }
-  const Recordings recordings = simulate(program, settings, {o.common.seed, o.noise, o.common.thread_count()});
-  put(o.file, fmt::format("# simulated from {} by talus {}, seed {}, noise {:g} times the stated sigmas\n", o.model, TALUS_VERSION, o.common.seed, o.noise) +
-                  write_recordings(recordings));
+  const Recordings recordings =
+      simulate(program, settings, {o.common.seed, o.noise, o.common.thread_count()});
+  put(o.file,
+      fmt::format("# simulated from {} by talus {}, seed {}, noise {:g} times the stated sigmas\n",
+                  o.model, TALUS_VERSION, o.common.seed, o.noise) +
+          write_recordings(recordings));
 }
 
 }  // namespace
 
 void add_simulate(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("simulate", "recordings from a model, with noise from its sigmas");
+  CLI::App* command =
+      app.add_subcommand("simulate", "recordings from a model, with noise from its sigmas");
   auto o = std::make_shared<Options>();
   command->add_option("model", o->model, "model file (.xml or .lua)")->required();
-  command->add_option("--poses", o->poses, "how many random poses, or a CSV file with the readings or with the frames to reach")->capture_default_str();
-  command->add_option("--grid", o->grid, "every combination: \"encoder1=-20:20:10; encoder2=0,30,60\"");
-  command->add_option("--noise", o->noise, "times the stated sigmas")->check(CLI::NonNegativeNumber)->capture_default_str();
-  command->add_option("--recordings", o->file, "file to write (- for standard output)")->capture_default_str();
+  command
+      ->add_option(
+          "--poses", o->poses,
+          "how many random poses, or a CSV file with the readings or with the frames to reach")
+      ->capture_default_str();
+  command->add_option("--grid", o->grid,
+                      "every combination: \"encoder1=-20:20:10; encoder2=0,30,60\"");
+  command->add_option("--noise", o->noise, "times the stated sigmas")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--recordings", o->file, "file to write (- for standard output)")
+      ->capture_default_str();
   add_common(*command, o->common, true, false);
-  command->add_option("--seed", o->common.seed, "seed of all random choices")->capture_default_str();
+  command->add_option("--seed", o->common.seed, "seed of all random choices")
+      ->capture_default_str();
   command->add_option("--threads", o->common.threads, "threads")->check(CLI::Range(1, 1024));
   command->callback([o] { run(*o); });
 }

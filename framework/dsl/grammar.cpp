@@ -43,7 +43,9 @@ const std::vector<ElementRule>& structural() {
        "A number that the solver finds for each pose or group of poses.",
        Where::inside_talus,
        {{"name", "how expressions call it", required},
-        {"value", "its start, with a tolerance if there is a prior: 50 ± 0.1; bounds are the range simulated"},
+        {"value",
+         "its start, with a tolerance if there is a prior: 50 ± 0.1; bounds are the range "
+         "simulated"},
         {"kind", "length, angle, number (default), or a unit such as deg/(N*m)"},
         {"per", "pose (default), or the columns whose equal values make a group"}}},
       {"chain",

@@ -19,8 +19,10 @@ void Compiler::frames() {
   auto reach = [&](const std::string& name, const Place& place) {
     auto [it, fresh] = reached.emplace(name, place);
     if (!fresh)
-      throw InputError(place, fmt::format("frame '{}' is reached twice (before at {})", name, to_string(it->second)),
-                       "a tree of frames; close a loop with <closure in=\"...\" at=\"...\"/>");
+      throw InputError(
+          place,
+          fmt::format("frame '{}' is reached twice (before at {})", name, to_string(it->second)),
+          "a tree of frames; close a loop with <closure in=\"...\" at=\"...\"/>");
   };
   for (const Element& chain : model_.root.children) {
     if (chain.tag != "chain") continue;
@@ -32,18 +34,27 @@ void Compiler::frames() {
       const Plugin* plugin = registry_.find(joint.tag, Family::joint);
       if (!plugin) throw InputError(joint.place, fmt::format("<{}> is not a joint", joint.tag));
       reach(joint.name(), joint.place);
-      edges.push_back({parent, {joint.name(), -1, plugin->transform(inputs(joint, plugin->declaration),
-                                                                    choices(joint, plugin->declaration)), joint.place}, ""});
+      edges.push_back({parent,
+                       {joint.name(), -1,
+                        plugin->transform(inputs(joint, plugin->declaration),
+                                          choices(joint, plugin->declaration)),
+                        joint.place},
+                       ""});
       parent = joint.name();
     }
     if (!to.empty() && to != parent) {
       reach(to, to_place);
-      if (chain.children.empty()) edges.push_back({parent, {to, -1, {}, to_place}, ""});
-      else edges.back().alias = to;
+      if (chain.children.empty())
+        edges.push_back({parent, {to, -1, {}, to_place}, ""});
+      else
+        edges.back().alias = to;
     }
   }
-  if (starts.empty()) throw InputError(model_.root.place, "the model has no <chain>", "at least one <chain from=\"...\" to=\"...\">");
-  // The root: of the frames no chain leads to, the one with the largest tree, so that a misspelt one is not taken for it.
+  if (starts.empty())
+    throw InputError(model_.root.place, "the model has no <chain>",
+                     "at least one <chain from=\"...\" to=\"...\">");
+  // The root: of the frames no chain leads to, the one with the largest tree, so that a misspelt
+  // one is not taken for it.
   auto root = starts.end();
   std::size_t largest = 0;
   for (auto start = starts.begin(); start != starts.end(); ++start) {
@@ -52,12 +63,14 @@ void Compiler::frames() {
     for (std::size_t before = 0; before != tree.size();) {
       before = tree.size();
       for (const Edge& edge : edges)
-        if (tree.contains(edge.parent)) tree.insert({edge.frame.name, edge.alias.empty() ? edge.frame.name : edge.alias});
+        if (tree.contains(edge.parent))
+          tree.insert({edge.frame.name, edge.alias.empty() ? edge.frame.name : edge.alias});
     }
     if (tree.size() > largest) largest = tree.size(), root = start;
   }
   if (root == starts.end())
-    throw InputError(starts[0].second, fmt::format("the chains form a circle through frame '{}'", starts[0].first),
+    throw InputError(starts[0].second,
+                     fmt::format("the chains form a circle through frame '{}'", starts[0].first),
                      "a tree of frames; close a loop with <closure in=\"...\" at=\"...\"/>");
   auto name_frame = [&](const std::string& name, int index) { program_.frame_index[name] = index; };
   program_.frames.push_back({root->first, -1, {}, root->second});
@@ -82,9 +95,10 @@ void Compiler::frames() {
       if (reached.contains(name))
         throw InputError(place, fmt::format("the chains form a circle through frame '{}'", name),
                          "a tree of frames; close a loop with <closure in=\"...\" at=\"...\"/>");
-      throw InputError(place, fmt::format("frame '{}' hangs loose: no chain leads to it", name),
-                       fmt::format("a frame that is connected to the root '{}': {}", root->first, join(names)),
-                       nearest(name, names));
+      throw InputError(
+          place, fmt::format("frame '{}' hangs loose: no chain leads to it", name),
+          fmt::format("a frame that is connected to the root '{}': {}", root->first, join(names)),
+          nearest(name, names));
     }
 }
 
@@ -92,7 +106,8 @@ int Program::frame(const std::string& name, const Place& place) const {
   if (auto it = frame_index.find(name); it != frame_index.end()) return it->second;
   std::vector<std::string> names;
   for (auto& [n, i] : frame_index) names.push_back(n);
-  throw InputError(place, fmt::format("no frame '{}'", name), "one of: " + join(names), nearest(name, names));
+  throw InputError(place, fmt::format("no frame '{}'", name), "one of: " + join(names),
+                   nearest(name, names));
 }
 
 Rigid<Expr> Program::between(int in, int at) const {

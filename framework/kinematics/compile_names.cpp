@@ -21,7 +21,8 @@ std::vector<Attribute> split_list(const Attribute& attribute) {
   return words;
 }
 
-Compiler::Compiler(const Model& model, const Registry& registry) : model_(model), registry_(registry) {
+Compiler::Compiler(const Model& model, const Registry& registry)
+    : model_(model), registry_(registry) {
   program_.name = model.root.name();
   auto unit = [&](const char* attribute, Dimension dimension, Unit& target) {
     const Attribute* a = model.root.find(attribute);
@@ -52,14 +53,18 @@ Dimension Compiler::kind(const Element& element) const {
   if (a->text == "length") return length;
   if (a->text == "angle") return angle;
   auto unit = parse_unit(a->text);
-  if (!unit) throw InputError(a->place, fmt::format("kind=\"{}\"", a->text), "length, angle, number or a unit");
+  if (!unit)
+    throw InputError(a->place, fmt::format("kind=\"{}\"", a->text),
+                     "length, angle, number or a unit");
   return unit->dimension;
 }
 
-Expr Compiler::free_parameter(const std::string& name, const std::string& owner, const Attribute& attribute,
-                              Dimension dimension, const Quantity& quantity) {
+Expr Compiler::free_parameter(const std::string& name, const std::string& owner,
+                              const Attribute& attribute, Dimension dimension,
+                              const Quantity& quantity) {
   const int slot = new_slot(name);
-  program_.parameters.push_back({name, owner, attribute.name, dimension, quantity, attribute.place, slot});
+  program_.parameters.push_back(
+      {name, owner, attribute.name, dimension, quantity, attribute.place, slot});
   return leaf(slot);
 }
 
@@ -78,8 +83,10 @@ Term Compiler::quantity_or_expression(const std::string& name, const std::string
   }
   const Term term = parse_expression(attribute.text, attribute.place, names);
   if (!(term.dimension == dimension))
-    throw InputError(attribute.place, fmt::format("{}=\"{}\" is {}", attribute.name, attribute.text, describe(term.dimension)),
-                     describe(dimension));
+    throw InputError(
+        attribute.place,
+        fmt::format("{}=\"{}\" is {}", attribute.name, attribute.text, describe(term.dimension)),
+        describe(dimension));
   return term;
 }
 
@@ -88,7 +95,8 @@ std::string Compiler::owner(const Element& element) const {
   int number = 0;
   for (const Element& child : model_.root.children) {
     number += child.tag == "calibrate";
-    if (&child == &element && child.tag == "calibrate") return number == 1 ? "calibrate" : fmt::format("calibrate{}", number);
+    if (&child == &element && child.tag == "calibrate")
+      return number == 1 ? "calibrate" : fmt::format("calibrate{}", number);
   }
   return element.name();
 }
@@ -99,8 +107,10 @@ Term Compiler::input(const Element& element, const Input& input) {
   const Attribute* attribute = element.find(input.name);
   if (!attribute) {
     if (input.required)
-      throw InputError(element.place, fmt::format("<{} name=\"{}\"> has no {}", element.tag, element.name(), input.name),
-                       fmt::format("{}=\"...\": {}", input.name, input.meaning));
+      throw InputError(
+          element.place,
+          fmt::format("<{} name=\"{}\"> has no {}", element.tag, element.name(), input.name),
+          fmt::format("{}=\"...\": {}", input.name, input.meaning));
     return known_[name] = {Expr(input.otherwise), input.dimension};
   }
   if (!in_progress_.insert(name).second)
@@ -126,8 +136,8 @@ std::vector<int> Compiler::choices(const Element& element, const Declaration& de
       for (std::size_t i = 0; i < choice.words.size(); ++i)
         if (choice.words[i] == a->text) index = static_cast<int>(i);
       if (index < 0)
-        throw InputError(a->place, fmt::format("{}=\"{}\"", choice.name, a->text), "one of: " + join(choice.words),
-                         nearest(a->text, choice.words));
+        throw InputError(a->place, fmt::format("{}=\"{}\"", choice.name, a->text),
+                         "one of: " + join(choice.words), nearest(a->text, choice.words));
     }
     result.push_back(index);
   }
@@ -142,26 +152,31 @@ Term Compiler::resolve(const std::string& name, const Place& place) {
     const Plugin* plugin = it == named_.end() ? nullptr : registry_.find(it->second->tag);
     const Input* wanted = plugin ? plugin->declaration.find_input(name.substr(dot + 1)) : nullptr;
     if (wanted) {
-      if (in_progress_.contains(name)) throw InputError(place, fmt::format("'{}' is defined in a circle", name));
+      if (in_progress_.contains(name))
+        throw InputError(place, fmt::format("'{}' is defined in a circle", name));
       return input(*it->second, *wanted);
     }
     std::vector<std::string> candidates;
     if (plugin)
-      for (const Input& i : plugin->declaration.inputs) candidates.push_back(it->first + "." + i.name);
+      for (const Input& i : plugin->declaration.inputs)
+        candidates.push_back(it->first + "." + i.name);
     else
       for (const auto& [n, e] : named_) candidates.push_back(n + name.substr(dot));
-    throw InputError(place, fmt::format("no input '{}'", name), plugin ? "one of: " + join(candidates) : "element.input",
+    throw InputError(place, fmt::format("no input '{}'", name),
+                     plugin ? "one of: " + join(candidates) : "element.input",
                      nearest(name, candidates));
   }
   auto it = named_.find(name);
   if (it != named_.end()) {
     const Element& e = *it->second;
     const Attribute* value = e.find("value");
-    if (!in_progress_.insert(name).second) throw InputError(place, fmt::format("'{}' is defined in a circle", name));
+    if (!in_progress_.insert(name).second)
+      throw InputError(place, fmt::format("'{}' is defined in a circle", name));
     if (e.tag == "constant" && value) {
       // A constant has the dimension its text has.
-      known_[name] = parse_expression(value->text, value->place,
-                                      [this](const std::string& n, const Place& p) { return resolve(n, p); });
+      known_[name] =
+          parse_expression(value->text, value->place,
+                           [this](const std::string& n, const Place& p) { return resolve(n, p); });
     } else if (e.tag == "parameter" && value) {
       known_[name] = quantity_or_expression(name, name, *value, kind(e));
     } else if (e.tag == "unknown") {
@@ -174,11 +189,13 @@ Term Compiler::resolve(const std::string& name, const Place& place) {
   }
   std::vector<std::string> candidates;
   for (const auto& [n, e] : named_)
-    if (e->tag == "constant" || e->tag == "parameter" || e->tag == "unknown" || registry_.find(e->tag, Family::sensor))
+    if (e->tag == "constant" || e->tag == "parameter" || e->tag == "unknown" ||
+        registry_.find(e->tag, Family::sensor))
       candidates.push_back(n);
-  throw InputError(place, fmt::format("'{}' is not a number, constant, parameter, unknown or sensor", name),
-                   candidates.empty() ? "one of these to be declared" : "one of: " + join(candidates),
-                   nearest(name, candidates));
+  throw InputError(
+      place, fmt::format("'{}' is not a number, constant, parameter, unknown or sensor", name),
+      candidates.empty() ? "one of these to be declared" : "one of: " + join(candidates),
+      nearest(name, candidates));
 }
 
 void Compiler::sensor(const Element& element) {
@@ -187,11 +204,13 @@ void Compiler::sensor(const Element& element) {
   reading.place = element.find("column") ? element.find("column")->place : element.place;
   if (const Attribute* a = element.find("sigma")) {
     reading.sigma = parse_quantity(a->text, d.reading, program_.units, a->place).value;
-    if (reading.sigma < 0) throw InputError(a->place, fmt::format("sigma=\"{}\"", a->text), "zero or more");
+    if (reading.sigma < 0)
+      throw InputError(a->place, fmt::format("sigma=\"{}\"", a->text), "zero or more");
   }
   if (const Attribute* a = element.find("range")) {
     const auto ends = split_list(*a);
-    if (ends.size() != 2) throw InputError(a->place, fmt::format("range=\"{}\"", a->text), "two numbers: lower, upper");
+    if (ends.size() != 2)
+      throw InputError(a->place, fmt::format("range=\"{}\"", a->text), "two numbers: lower, upper");
     reading.range = {parse_quantity(ends[0].text, d.reading, program_.units, ends[0].place).value,
                      parse_quantity(ends[1].text, d.reading, program_.units, ends[1].place).value};
     if (!(reading.range->first < reading.range->second))

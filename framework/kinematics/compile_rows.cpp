@@ -25,7 +25,8 @@ bool accepts(const Declaration& residual, Kind kind) {
 
 double positive_number(const Attribute& word, const char* what) {
   const Quantity q = parse_quantity(word.text, number, UnitSystem{}, word.place);
-  if (q.value < 0) throw InputError(word.place, fmt::format("{} '{}'", what, word.text), "zero or more");
+  if (q.value < 0)
+    throw InputError(word.place, fmt::format("{} '{}'", what, word.text), "zero or more");
   return q.value;
 }
 
@@ -41,7 +42,8 @@ void Compiler::feature(const Element& element) {
     return a ? a->place : element.place;
   };
   const int in = element.find("in") ? program_.frame(element.text("in"), place_of("in")) : 0;
-  const int at = program_.frame(element.text("at", f.name), place_of(element.find("at") ? "at" : "name"));
+  const int at =
+      program_.frame(element.text("at", f.name), place_of(element.find("at") ? "at" : "name"));
   Chain chain{program_.frames[in].name, element.text("at", f.name)};
   Rigid<Expr> offset;
   if (plugin.transform) offset = plugin.transform(inputs(element, d), choices(element, d));
@@ -56,7 +58,8 @@ void Compiler::feature(const Element& element) {
   for (const Column& column : d.columns) {
     const int slot = new_slot(prefix + column.suffix);
     f.columns.push_back(static_cast<int>(program_.columns.size()));
-    program_.columns.push_back({prefix + column.suffix, column.dimension, place_of("columns"), slot});
+    program_.columns.push_back(
+        {prefix + column.suffix, column.dimension, place_of("columns"), slot});
     leaves.push_back(leaf(slot));
   }
   if (plugin.observe) f.observed = plugin.observe(leaves, choices(element, d));
@@ -68,21 +71,30 @@ void Compiler::feature(const Element& element) {
     for (std::size_t i = 0; i < words.size(); ++i) {
       // With a unit the word says itself what it is; without one the order does.
       Dimension dimension = expected[std::min(i, expected.size() - 1)];
-      const std::size_t letter = words[i].text.find_first_of("abcdefghijklmnopqrstuvwxyz", words[i].text.find_first_of("0123456789."));
+      const std::size_t letter = words[i].text.find_first_of(
+          "abcdefghijklmnopqrstuvwxyz", words[i].text.find_first_of("0123456789."));
       if (letter != std::string::npos)
-        if (auto unit = parse_unit(std::string_view(words[i].text).substr(letter))) dimension = unit->dimension;
-      const double value = parse_quantity(words[i].text, dimension, program_.units, words[i].place).value;
-      if (!(value > 0)) throw InputError(words[i].place, fmt::format("sigma '{}'", words[i].text), "more than zero");
-      auto& target = dimension == length ? f.sigma_length : dimension == angle ? f.sigma_angle : f.sigma_number;
-      if (target) throw InputError(words[i].place, fmt::format("a second sigma for {}", describe(dimension)), "one of each kind");
+        if (auto unit = parse_unit(std::string_view(words[i].text).substr(letter)))
+          dimension = unit->dimension;
+      const double value =
+          parse_quantity(words[i].text, dimension, program_.units, words[i].place).value;
+      if (!(value > 0))
+        throw InputError(words[i].place, fmt::format("sigma '{}'", words[i].text),
+                         "more than zero");
+      auto& target = dimension == length  ? f.sigma_length
+                     : dimension == angle ? f.sigma_angle
+                                          : f.sigma_number;
+      if (target)
+        throw InputError(words[i].place, fmt::format("a second sigma for {}", describe(dimension)),
+                         "one of each kind");
       target = value;
     }
   }
   program_.features.push_back(std::move(f));
 }
 
-void Compiler::add_rows(const std::string& residual, int feature, const std::vector<Expr>& inputs, double weight,
-                        int term) {
+void Compiler::add_rows(const std::string& residual, int feature, const std::vector<Expr>& inputs,
+                        double weight, int term) {
   const Plugin& plugin = *registry_.find(residual, Family::residual);
   const Feature& f = program_.features[feature];
   const int first = program_.chains[f.chain].first_slot;
@@ -95,15 +107,20 @@ void Compiler::add_rows(const std::string& residual, int feature, const std::vec
   const std::vector<Expr> values = plugin.rows(Rigid<Expr>(R, p), f.observed, inputs, {});
   const std::vector<Column>& columns = plugin.declaration.columns;
   if (values.size() != columns.size())
-    throw InputError({plugin.origin, 0, 0}, fmt::format("residual '{}' gives {} rows, its declaration has {}", residual,
-                                                        values.size(), columns.size()));
+    throw InputError({plugin.origin, 0, 0},
+                     fmt::format("residual '{}' gives {} rows, its declaration has {}", residual,
+                                 values.size(), columns.size()));
   for (std::size_t i = 0; i < values.size(); ++i) {
-    Row row{f.kind == Kind::scalar ? f.name : f.observed.angles ? columns[i].suffix : f.name + "." + columns[i].suffix};
+    Row row{f.kind == Kind::scalar ? f.name
+            : f.observed.angles    ? columns[i].suffix
+                                   : f.name + "." + columns[i].suffix};
     row.dimension = columns[i].dimension;
     row.value = values[i];
     row.feature = feature;
     row.term = term;
-    row.sigma = row.dimension == length ? f.sigma_length : row.dimension == angle ? f.sigma_angle : f.sigma_number;
+    row.sigma = row.dimension == length  ? f.sigma_length
+                : row.dimension == angle ? f.sigma_angle
+                                         : f.sigma_number;
     row.weight = weight;
     program_.rows.push_back(std::move(row));
   }
@@ -112,18 +129,23 @@ void Compiler::add_rows(const std::string& residual, int feature, const std::vec
 void Compiler::calibrate(const Element& element) {
   CalibrationSettings& s = program_.settings;
   const Attribute* residual = element.find("residual");
-  if (!residual) throw InputError(element.place, "<calibrate> names no residual", "residual=\"position, ...\"");
+  if (!residual)
+    throw InputError(element.place, "<calibrate> names no residual", "residual=\"position, ...\"");
   const auto residuals = split_list(*residual);
   std::vector<double> weights(residuals.size(), 1);
   if (const Attribute* w = element.find("weight")) {
     const auto words = split_list(*w);
     if (words.size() != residuals.size())
-      throw InputError(w->place, fmt::format("{} weights for {} residuals", words.size(), residuals.size()), "one weight per residual");
+      throw InputError(w->place,
+                       fmt::format("{} weights for {} residuals", words.size(), residuals.size()),
+                       "one weight per residual");
     for (std::size_t i = 0; i < words.size(); ++i) weights[i] = positive_number(words[i], "weight");
     s.weighted = true;
-    if (std::all_of(weights.begin(), weights.end(), [](double v) { return v == 0; })) throw InputError(w->place, "all weights are zero", "one above zero");
+    if (std::all_of(weights.begin(), weights.end(), [](double v) { return v == 0; }))
+      throw InputError(w->place, "all weights are zero", "one above zero");
   } else if (s.weighted) {
-    throw InputError(element.place, "one <calibrate> has weights, this one has none", "weights in all or in none");
+    throw InputError(element.place, "one <calibrate> has weights, this one has none",
+                     "weights in all or in none");
   }
   if (const Attribute* g = element.find("group"))
     for (const Attribute& word : split_list(*g)) s.groups.push_back(word.text);
@@ -133,22 +155,27 @@ void Compiler::calibrate(const Element& element) {
     const std::string word = a->text.substr(0, a->text.find(' '));
     for (std::size_t i = 0; i < words.size(); ++i)
       if (words[i] == word) return static_cast<int>(i);
-    throw InputError(a->place, fmt::format("{}=\"{}\"", attribute, a->text), "one of: " + join(words), nearest(word, words));
+    throw InputError(a->place, fmt::format("{}=\"{}\"", attribute, a->text),
+                     "one of: " + join(words), nearest(word, words));
   };
-  if (int i = one_of("objective", {"least_squares", "as_published"}); i >= 0) s.objective = static_cast<Objective>(i);
+  if (int i = one_of("objective", {"least_squares", "as_published"}); i >= 0)
+    s.objective = static_cast<Objective>(i);
   if (int i = one_of("normalise", {"none", "fsr"}); i >= 0) s.full_scale = i == 1;
   if (int i = one_of("loss", {"none", "huber", "cauchy"}); i >= 0) {
     s.loss = static_cast<LossKind>(i);
     const Attribute& a = *element.find("loss");
     if (const std::size_t space = a.text.find(' '); space != std::string::npos)
       s.loss_scale = positive_number({a.name, a.text.substr(space + 1), a.place}, "loss scale");
-    if (s.loss_scale == 0) throw InputError(a.place, fmt::format("loss=\"{}\"", a.text), "a scale above zero, in sigmas");
+    if (s.loss_scale == 0)
+      throw InputError(a.place, fmt::format("loss=\"{}\"", a.text),
+                       "a scale above zero, in sigmas");
   }
   for (std::size_t r = 0; r < residuals.size(); ++r) {
     const std::string& tag = residuals[r].text;
     const Plugin* plugin = registry_.find(tag, Family::residual);
     if (!plugin)
-      throw InputError(residuals[r].place, fmt::format("no residual '{}'", tag), "one of: " + join(registry_.tags(Family::residual)),
+      throw InputError(residuals[r].place, fmt::format("no residual '{}'", tag),
+                       "one of: " + join(registry_.tags(Family::residual)),
                        nearest(tag, registry_.tags(Family::residual)));
     std::vector<Expr> values;
     for (const Input& i : plugin->declaration.inputs) values.push_back(input(element, i).value);
@@ -165,13 +192,16 @@ void Compiler::calibrate(const Element& element) {
           if (program_.features[f].name == word.text) found = static_cast<int>(f);
         }
         if (found < 0)
-          throw InputError(word.place, fmt::format("no measured feature '{}'", word.text), "one of: " + join(names), nearest(word.text, names));
-        if (accepts(plugin->declaration, program_.features[found].kind)) use(found);
+          throw InputError(word.place, fmt::format("no measured feature '{}'", word.text),
+                           "one of: " + join(names), nearest(word.text, names));
+        if (accepts(plugin->declaration, program_.features[found].kind))
+          use(found);
         else if (split_list(*of).size() == 1) {
           std::vector<std::string> kinds;
           for (Kind k : plugin->declaration.kinds) kinds.push_back(to_string(k));
-          throw InputError(residuals[r].place, fmt::format("residual '{}' cannot be taken of '{}', which is a {}", tag, word.text,
-                                                           to_string(program_.features[found].kind)),
+          throw InputError(residuals[r].place,
+                           fmt::format("residual '{}' cannot be taken of '{}', which is a {}", tag,
+                                       word.text, to_string(program_.features[found].kind)),
                            "a feature of kind " + join(kinds, " or "));
         }
       }
@@ -179,7 +209,9 @@ void Compiler::calibrate(const Element& element) {
       for (std::size_t f = 0; f < program_.features.size(); ++f)
         if (accepts(plugin->declaration, program_.features[f].kind)) use(static_cast<int>(f));
     }
-    if (!used) throw InputError(residuals[r].place, fmt::format("residual '{}' fits none of the measured features", tag));
+    if (!used)
+      throw InputError(residuals[r].place,
+                       fmt::format("residual '{}' fits none of the measured features", tag));
   }
 }
 
@@ -189,7 +221,10 @@ void Compiler::default_rows() {
     for (const std::string& tag : registry_.find(feature.tag)->declaration.residuals) {
       const Plugin* plugin = registry_.find(tag, Family::residual);
       if (!plugin)
-        throw InputError(feature.place, fmt::format("feature '{}' is judged by residual '{}', which is not registered", feature.tag, tag));
+        throw InputError(
+            feature.place,
+            fmt::format("feature '{}' is judged by residual '{}', which is not registered",
+                        feature.tag, tag));
       std::vector<Expr> values;
       for (const Input& i : plugin->declaration.inputs) values.push_back(Expr(i.otherwise));
       program_.terms.push_back(tag);
@@ -203,11 +238,13 @@ void Compiler::check_seen() const {
   for (const auto& slots : row_support(program_)) seen.insert(slots.begin(), slots.end());
   for (const Parameter& p : program_.parameters)
     if (!seen.contains(p.slot))
-      throw InputError(p.place, fmt::format("free parameter '{}' is seen by no residual", p.name),
-                       "it to be fixed (no tolerance, no '?'), or a measured feature whose chain it moves");
+      throw InputError(
+          p.place, fmt::format("free parameter '{}' is seen by no residual", p.name),
+          "it to be fixed (no tolerance, no '?'), or a measured feature whose chain it moves");
   for (const Unknown& u : program_.unknowns)
     if (!seen.contains(u.slot))
-      throw InputError(u.place, fmt::format("unknown '{}' is seen by no residual", u.name), "a measured feature whose chain it moves");
+      throw InputError(u.place, fmt::format("unknown '{}' is seen by no residual", u.name),
+                       "a measured feature whose chain it moves");
 }
 
 std::vector<std::vector<int>> row_support(const Program& program) {
@@ -231,8 +268,11 @@ std::vector<std::vector<int>> row_support(const Program& program) {
       auto chain = std::find_if(program.chains.begin(), program.chains.end(), [&](const Chain& c) {
         return slot >= c.first_slot && slot < c.first_slot + 12;
       });
-      if (chain == program.chains.end()) all.insert(slot);
-      else all.insert(of_chain[chain - program.chains.begin()].begin(), of_chain[chain - program.chains.begin()].end());
+      if (chain == program.chains.end())
+        all.insert(slot);
+      else
+        all.insert(of_chain[chain - program.chains.begin()].begin(),
+                   of_chain[chain - program.chains.begin()].end());
     }
     result.emplace_back(all.begin(), all.end());
   }
@@ -245,7 +285,9 @@ void Compiler::check_sigmas() const {
   for (const Row& row : program_.rows) {
     const Feature& f = program_.features[row.feature];
     if (!row.sigma && (f.sigma_length || f.sigma_angle || f.sigma_number))
-      throw InputError(f.place, fmt::format("'{}' has no sigma for {}, but one of another kind", f.name, describe(row.dimension)),
+      throw InputError(f.place,
+                       fmt::format("'{}' has no sigma for {}, but one of another kind", f.name,
+                                   describe(row.dimension)),
                        "a sigma of each kind, such as sigma=\"0.005 mm, 0.002 deg\", or none");
   }
 }
@@ -253,8 +295,10 @@ void Compiler::check_sigmas() const {
 Program Compiler::run() {
   frames();
   for (const Element& e : model_.root.children) {
-    if (e.tag == "parameter" || e.tag == "unknown" || registry_.find(e.tag, Family::sensor)) resolve(e.name(), e.place);
-    else if (e.tag == "constant") resolve(e.name(), e.place);
+    if (e.tag == "parameter" || e.tag == "unknown" || registry_.find(e.tag, Family::sensor))
+      resolve(e.name(), e.place);
+    else if (e.tag == "constant")
+      resolve(e.name(), e.place);
   }
   for (const Element& e : model_.root.children)
     if (registry_.find(e.tag, Family::feature)) feature(e);
@@ -267,6 +311,8 @@ Program Compiler::run() {
   return std::move(program_);
 }
 
-Program compile(const Model& model, const Registry& registry) { return Compiler(model, registry).run(); }
+Program compile(const Model& model, const Registry& registry) {
+  return Compiler(model, registry).run();
+}
 
 }  // namespace talus

@@ -24,8 +24,8 @@ class Compiler {
   Term input(const Element& element, const Input& input);
   std::vector<Expr> inputs(const Element& element, const Declaration& declaration);
   std::vector<int> choices(const Element& element, const Declaration& declaration);
-  Term quantity_or_expression(const std::string& name, const std::string& owner, const Attribute& attribute,
-                              Dimension dimension);
+  Term quantity_or_expression(const std::string& name, const std::string& owner,
+                              const Attribute& attribute, Dimension dimension);
   Expr free_parameter(const std::string& name, const std::string& owner, const Attribute& attribute,
                       Dimension dimension, const Quantity& quantity);
   Dimension kind(const Element& element) const;
@@ -41,8 +41,8 @@ class Compiler {
   void feature(const Element& element);
   void calibrate(const Element& element);
   void default_rows();
-  void add_rows(const std::string& residual, int feature, const std::vector<Expr>& inputs, double weight,
-                int term);
+  void add_rows(const std::string& residual, int feature, const std::vector<Expr>& inputs,
+                double weight, int term);
   void check_seen() const;
   void check_sigmas() const;
 

@@ -12,26 +12,46 @@ namespace talus {
 double apply(Op op, double a, double b, double c) {
   switch (op) {
     case Op::constant:
-    case Op::leaf: return a;
-    case Op::add: return a + b;
-    case Op::sub: return a - b;
-    case Op::mul: return a * b;
-    case Op::div: return a / b;
-    case Op::neg: return -a;
-    case Op::sin: return std::sin(a);
-    case Op::cos: return std::cos(a);
-    case Op::tan: return std::tan(a);
-    case Op::asin: return std::asin(a);
-    case Op::acos: return std::acos(a);
-    case Op::atan2: return std::atan2(a, b);
-    case Op::sqrt: return std::sqrt(a);
-    case Op::exp: return std::exp(a);
-    case Op::log: return std::log(a);
-    case Op::abs: return std::abs(a);
-    case Op::sign: return a > 0 ? 1 : a < 0 ? -1 : 0;
-    case Op::less: return a < b ? 1 : 0;
-    case Op::select: return a != 0 ? b : c;
-    case Op::floor: return std::floor(a);
+    case Op::leaf:
+      return a;
+    case Op::add:
+      return a + b;
+    case Op::sub:
+      return a - b;
+    case Op::mul:
+      return a * b;
+    case Op::div:
+      return a / b;
+    case Op::neg:
+      return -a;
+    case Op::sin:
+      return std::sin(a);
+    case Op::cos:
+      return std::cos(a);
+    case Op::tan:
+      return std::tan(a);
+    case Op::asin:
+      return std::asin(a);
+    case Op::acos:
+      return std::acos(a);
+    case Op::atan2:
+      return std::atan2(a, b);
+    case Op::sqrt:
+      return std::sqrt(a);
+    case Op::exp:
+      return std::exp(a);
+    case Op::log:
+      return std::log(a);
+    case Op::abs:
+      return std::abs(a);
+    case Op::sign:
+      return a > 0 ? 1 : a < 0 ? -1 : 0;
+    case Op::less:
+      return a < b ? 1 : 0;
+    case Op::select:
+      return a != 0 ? b : c;
+    case Op::floor:
+      return std::floor(a);
   }
   return 0;
 }
@@ -49,7 +69,8 @@ Expr argument(const Expr& y, std::int32_t node) {
 
 std::size_t Tape::Hash::operator()(const Node& n) const {
   std::size_t h = std::bit_cast<std::uint64_t>(n.value) * 0x9E3779B97F4A7C15ull;
-  for (std::int64_t part : {std::int64_t(n.op), std::int64_t(n.a), std::int64_t(n.b), std::int64_t(n.c)})
+  for (std::int64_t part :
+       {std::int64_t(n.op), std::int64_t(n.a), std::int64_t(n.b), std::int64_t(n.c)})
     h = (h ^ static_cast<std::size_t>(part + 0x7F4A7C15)) * 0xBF58476D1CE4E5B9ull;
   return h ^ (h >> 31);
 }
@@ -119,12 +140,13 @@ Expr record(Op op, const Expr& a, const Expr& b, const Expr& c) {
       if (a.is_constant()) return a.constant() != 0 ? b : c;
       if (b.same(c)) return b;
       break;
-    default: break;
+    default:
+      break;
   }
   Tape* tape = a.tape() ? a.tape() : b.tape() ? b.tape() : c.tape();
   Node node{.op = op, .a = a.node_on(*tape)};
-  bool two = op == Op::add || op == Op::sub || op == Op::mul || op == Op::div ||
-             op == Op::atan2 || op == Op::less || op == Op::select;
+  bool two = op == Op::add || op == Op::sub || op == Op::mul || op == Op::div || op == Op::atan2 ||
+             op == Op::less || op == Op::select;
   if (two) node.b = b.node_on(*tape);
   if (op == Op::select) node.c = c.node_on(*tape);
   if ((op == Op::add || op == Op::mul) && node.a > node.b) std::swap(node.a, node.b);
@@ -154,29 +176,62 @@ std::unordered_map<std::int32_t, Expr> gradient(const Expr& y) {
     const Expr a = argument(self, n.a);
     const Expr b = n.b >= 0 ? argument(self, n.b) : Expr();
     switch (n.op) {
-      case Op::add: feed(n.a, w), feed(n.b, w); break;
-      case Op::sub: feed(n.a, w), feed(n.b, -w); break;
-      case Op::mul: feed(n.a, w * b), feed(n.b, w * a); break;
-      case Op::div: feed(n.a, w / b), feed(n.b, -(w * self / b)); break;
-      case Op::neg: feed(n.a, -w); break;
-      case Op::sin: feed(n.a, w * cos(a)); break;
-      case Op::cos: feed(n.a, -(w * sin(a))); break;
-      case Op::tan: feed(n.a, w * (1 + self * self)); break;
-      case Op::asin: feed(n.a, w / sqrt(1 - a * a)); break;
-      case Op::acos: feed(n.a, -(w / sqrt(1 - a * a))); break;
+      case Op::add:
+        feed(n.a, w), feed(n.b, w);
+        break;
+      case Op::sub:
+        feed(n.a, w), feed(n.b, -w);
+        break;
+      case Op::mul:
+        feed(n.a, w * b), feed(n.b, w * a);
+        break;
+      case Op::div:
+        feed(n.a, w / b), feed(n.b, -(w * self / b));
+        break;
+      case Op::neg:
+        feed(n.a, -w);
+        break;
+      case Op::sin:
+        feed(n.a, w * cos(a));
+        break;
+      case Op::cos:
+        feed(n.a, -(w * sin(a)));
+        break;
+      case Op::tan:
+        feed(n.a, w * (1 + self * self));
+        break;
+      case Op::asin:
+        feed(n.a, w / sqrt(1 - a * a));
+        break;
+      case Op::acos:
+        feed(n.a, -(w / sqrt(1 - a * a)));
+        break;
       case Op::atan2: {
         const Expr scale = w / (a * a + b * b);
         feed(n.a, scale * b), feed(n.b, -(scale * a));
         break;
       }
-      case Op::sqrt: feed(n.a, w / (2 * self)); break;
-      case Op::exp: feed(n.a, w * self); break;
-      case Op::log: feed(n.a, w / a); break;
-      case Op::abs: feed(n.a, w * sign(a)); break;
+      case Op::sqrt:
+        feed(n.a, w / (2 * self));
+        break;
+      case Op::exp:
+        feed(n.a, w * self);
+        break;
+      case Op::log:
+        feed(n.a, w / a);
+        break;
+      case Op::abs:
+        feed(n.a, w * sign(a));
+        break;
       case Op::select:
         feed(n.b, select(a, w, 0)), feed(n.c, select(a, 0, w));
         break;
-      case Op::constant: case Op::leaf: case Op::sign: case Op::less: case Op::floor: break;
+      case Op::constant:
+      case Op::leaf:
+      case Op::sign:
+      case Op::less:
+      case Op::floor:
+        break;
     }
   }
   return by_slot;
@@ -191,29 +246,40 @@ std::vector<std::int32_t> support(const Expr& y) {
     stack.pop_back();
     if (i < 0 || !seen.insert(i).second) continue;
     const Node& n = (*y.tape())[i];
-    if (n.op == Op::leaf) slots.insert(n.a);
-    else stack.insert(stack.end(), {n.a, n.b, n.c});
+    if (n.op == Op::leaf)
+      slots.insert(n.a);
+    else
+      stack.insert(stack.end(), {n.a, n.b, n.c});
   }
   return {slots.begin(), slots.end()};
 }
 
 std::string formula(const Expr& y, std::span<const std::string> names) {
-  static constexpr const char* function[] = {"",     "",     "",     "",     "",     "",     "",
-                                             "sin",  "cos",  "tan",  "asin", "acos", "atan2", "sqrt",
-                                             "exp",  "log",  "abs",  "sign", "less", "select", "floor"};
+  static constexpr const char* function[] = {
+      "",     "",      "",     "",    "",    "",    "",     "sin",  "cos",    "tan",  "asin",
+      "acos", "atan2", "sqrt", "exp", "log", "abs", "sign", "less", "select", "floor"};
   // Precedence: 1 sums, 2 products, 3 unary minus, 4 atoms.
-  std::function<std::string(std::int32_t, int)> write = [&](std::int32_t i, int outer) -> std::string {
+  std::function<std::string(std::int32_t, int)> write = [&](std::int32_t i,
+                                                            int outer) -> std::string {
     const Node& n = (*y.tape())[i];
     auto wrap = [&](int own, std::string text) { return own < outer ? "(" + text + ")" : text; };
     switch (n.op) {
-      case Op::constant: return wrap(n.value < 0 ? 3 : 4, fmt::format("{}", n.value));
-      case Op::leaf: return names[n.a];
-      case Op::add: return wrap(1, write(n.a, 1) + " + " + write(n.b, 1));
-      case Op::sub: return wrap(1, write(n.a, 1) + " - " + write(n.b, 2));
-      case Op::mul: return wrap(2, write(n.a, 2) + " * " + write(n.b, 2));
-      case Op::div: return wrap(2, write(n.a, 2) + " / " + write(n.b, 3));
-      case Op::neg: return wrap(2, "-" + write(n.a, 3));
-      default: break;
+      case Op::constant:
+        return wrap(n.value < 0 ? 3 : 4, fmt::format("{}", n.value));
+      case Op::leaf:
+        return names[n.a];
+      case Op::add:
+        return wrap(1, write(n.a, 1) + " + " + write(n.b, 1));
+      case Op::sub:
+        return wrap(1, write(n.a, 1) + " - " + write(n.b, 2));
+      case Op::mul:
+        return wrap(2, write(n.a, 2) + " * " + write(n.b, 2));
+      case Op::div:
+        return wrap(2, write(n.a, 2) + " / " + write(n.b, 3));
+      case Op::neg:
+        return wrap(2, "-" + write(n.a, 3));
+      default:
+        break;
     }
     std::string text = function[static_cast<int>(n.op)] + ("(" + write(n.a, 0));
     if (n.b >= 0) text += ", " + write(n.b, 0);

@@ -20,8 +20,22 @@ namespace talus {
 enum class Op : std::uint8_t {
   constant,  // value
   leaf,      // the slot numbered `a`
-  add, sub, mul, div, neg,
-  sin, cos, tan, asin, acos, atan2, sqrt, exp, log, abs, sign,
+  add,
+  sub,
+  mul,
+  div,
+  neg,
+  sin,
+  cos,
+  tan,
+  asin,
+  acos,
+  atan2,
+  sqrt,
+  exp,
+  log,
+  abs,
+  sign,
   less,    // 1 where a < b, else 0; derivative 0
   select,  // b where a != 0, else c
   floor,   // derivative 0
@@ -64,8 +78,8 @@ class Expr {
   bool is_constant() const { return tape_ == nullptr; }
   double constant() const { return value_; }
   Tape* tape() const { return tape_; }
-  std::int32_t node() const { return node_; }           // only where not constant
-  std::int32_t node_on(Tape& tape) const;               // records a constant where needed
+  std::int32_t node() const { return node_; }  // only where not constant
+  std::int32_t node_on(Tape& tape) const;      // records a constant where needed
   bool same(const Expr& other) const;
 
  private:

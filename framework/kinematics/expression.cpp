@@ -16,8 +16,9 @@ class Parser {
 
   Term all() {
     Term term = sum();
-    if (!done()) fail(fmt::format("unexpected '{}' in expression '{}'", text_[at_], text_),
-                      "an operator + - * / ^ or the end");
+    if (!done())
+      fail(fmt::format("unexpected '{}' in expression '{}'", text_[at_], text_),
+           "an operator + - * / ^ or the end");
     return term;
   }
 
@@ -51,8 +52,9 @@ class Parser {
       ++at_;
       Term right = product();
       if (!(left.dimension == right.dimension))
-        throw InputError(where, fmt::format("'{}' joins {} and {} in '{}'", c, describe(left.dimension),
-                                            describe(right.dimension), text_),
+        throw InputError(where,
+                         fmt::format("'{}' joins {} and {} in '{}'", c, describe(left.dimension),
+                                     describe(right.dimension), text_),
                          "two of a kind; write the unit of a number, such as 90 deg");
       left.value = c == '+' ? left.value + right.value : left.value - right.value;
     }
@@ -97,7 +99,9 @@ class Parser {
 
   std::string word() {
     const std::size_t start = at_;
-    auto good = [&](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.'; };
+    auto good = [&](char c) {
+      return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.';
+    };
     while (at_ < text_.size() && good(text_[at_])) ++at_;
     return std::string(text_.substr(start, at_ - start));
   }
@@ -115,7 +119,9 @@ class Parser {
       const Place where = here();
       const std::string unit_text = word();
       auto unit = parse_unit(unit_text);
-      if (!unit) throw InputError(where, fmt::format("'{}' is not a unit", unit_text), "a unit such as mm or deg");
+      if (!unit)
+        throw InputError(where, fmt::format("'{}' is not a unit", unit_text),
+                         "a unit such as mm or deg");
       return {unit->factor * value, unit->dimension};
     }
     if (std::isalpha(static_cast<unsigned char>(c)) || c == '_') {
@@ -123,7 +129,8 @@ class Parser {
       const std::string name = word();
       return take('(') ? function(name, where) : resolve_(name, where);
     }
-    fail(c ? fmt::format("'{}' in expression '{}'", c, text_) : fmt::format("expression '{}' ends early", text_),
+    fail(c ? fmt::format("'{}' in expression '{}'", c, text_)
+           : fmt::format("expression '{}' ends early", text_),
          "a number, a name or '('");
   }
 
@@ -133,10 +140,12 @@ class Parser {
     if (!take(')')) fail(fmt::format("'(' of {} is not closed", name), "')'");
     auto need = [&](std::size_t count, Dimension dimension) {
       if (a.size() != count)
-        throw InputError(where, fmt::format("{} takes {} arguments, found {}", name, count, a.size()));
+        throw InputError(where,
+                         fmt::format("{} takes {} arguments, found {}", name, count, a.size()));
       for (const Term& t : a)
         if (!(t.dimension == dimension))
-          throw InputError(where, fmt::format("{} of {}", name, describe(t.dimension)), describe(dimension));
+          throw InputError(where, fmt::format("{} of {}", name, describe(t.dimension)),
+                           describe(dimension));
     };
     if (name == "sin") return need(1, angle), Term{sin(a[0].value), number};
     if (name == "cos") return need(1, angle), Term{cos(a[0].value), number};
@@ -148,10 +157,12 @@ class Parser {
     if (name == "log") return need(1, number), Term{log(a[0].value), number};
     if (name == "abs") return need(1, a[0].dimension), Term{abs(a[0].value), a[0].dimension};
     if (name == "sign") return need(1, a[0].dimension), Term{sign(a[0].value), number};
-    if (name == "atan2") return need(2, a[0].dimension), Term{atan2(a[0].value, a.back().value), angle};
-    if (name == "less") return need(2, a[0].dimension), Term{less(a[0].value, a.back().value), number};
-    static const std::vector<std::string> names{"sin", "cos", "tan", "asin", "acos", "sqrt", "exp", "log", "abs",
-                                                "sign", "atan2", "less"};
+    if (name == "atan2")
+      return need(2, a[0].dimension), Term{atan2(a[0].value, a.back().value), angle};
+    if (name == "less")
+      return need(2, a[0].dimension), Term{less(a[0].value, a.back().value), number};
+    static const std::vector<std::string> names{"sin", "cos", "tan", "asin", "acos",  "sqrt",
+                                                "exp", "log", "abs", "sign", "atan2", "less"};
     throw InputError(where, fmt::format("unknown function '{}'", name), "one of: " + join(names),
                      nearest(name, names));
   }

@@ -4,9 +4,9 @@
 //     factor  = [-] atom [^ number]
 //     atom    = number [unit] | name | name.input | function(sum, ...) | ( sum )
 //
-// Dimensions are carried along: adding an angle to a plain number is an error that says which unit is
-// missing. Functions: sin cos tan (angle -> number), asin acos atan2 (number -> angle), sqrt exp log
-// abs sign less.
+// Dimensions are carried along: adding an angle to a plain number is an error that says which unit
+// is missing. Functions: sin cos tan (angle -> number), asin acos atan2 (number -> angle), sqrt exp
+// log abs sign less.
 #pragma once
 
 #include <functional>

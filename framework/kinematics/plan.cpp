@@ -6,7 +6,8 @@
 
 namespace talus {
 
-Plan::Builder::Builder(const Program& program, Plan& plan) : program_(program), tape_(*program.tape), plan_(plan) {
+Plan::Builder::Builder(const Program& program, Plan& plan)
+    : program_(program), tape_(*program.tape), plan_(plan) {
   target_of_.resize(program.slots);
   for (std::size_t set = 0; set < plan.sets_.size(); ++set) {
     for (std::size_t i = 0; i < plan.sets_[set].size(); ++i)
@@ -39,8 +40,8 @@ std::int32_t Plan::Builder::want(const Expr& e) {
   return node;
 }
 
-// The wrench of each row at the end of chain c, as expressions: f = dr/dp, and the moment about the base
-// n = p x f + sum over columns R_j x dr/dR_j.
+// The wrench of each row at the end of chain c, as expressions: f = dr/dp, and the moment about the
+// base n = p x f + sum over columns R_j x dr/dR_j.
 void Plan::Builder::wrenches(int c) {
   const Chain& chain = program_.chains[c];
   ChainPlan& out = plan_.chains_.emplace_back();
@@ -61,11 +62,13 @@ void Plan::Builder::wrenches(int c) {
     const Vector3<Expr> f{part(9), part(10), part(11)};
     Vector3<Expr> n = cross<Expr>(p, f);
     for (int j = 0; j < 3; ++j) {
-      const Vector3<Expr> t = cross<Expr>({R[0][j], R[1][j], R[2][j]}, {part(j), part(3 + j), part(6 + j)});
+      const Vector3<Expr> t =
+          cross<Expr>({R[0][j], R[1][j], R[2][j]}, {part(j), part(3 + j), part(6 + j)});
       for (int i = 0; i < 3; ++i) n[i] += t[i];
     }
     auto zero = [](const Vector3<Expr>& v) {
-      return std::all_of(v.begin(), v.end(), [](const Expr& e) { return e.is_constant() && e.constant() == 0; });
+      return std::all_of(v.begin(), v.end(),
+                         [](const Expr& e) { return e.is_constant() && e.constant() == 0; });
     };
     const bool has_force = !zero(f), row_used = has_force || !zero(n);
     out.row_used.push_back(row_used);
@@ -107,7 +110,8 @@ void Plan::Builder::steps(int c) {
     for (const auto& [slot, d] : sorted(gradient(m.amount))) {
       const Target to = target_of_[slot];
       if (to.set < 0) continue;
-      const bool one = d.is_constant() && d.constant() == 1, minus = d.is_constant() && d.constant() == -1;
+      const bool one = d.is_constant() && d.constant() == 1,
+                 minus = d.is_constant() && d.constant() == -1;
       step.line = 0;  // placed later
       contribute(chain, to, one ? -1 : minus ? -2 : want(d), !rotation, index, -1);
     }
@@ -115,7 +119,8 @@ void Plan::Builder::steps(int c) {
 }
 
 // Until the axes are placed, `line` says whose it is.
-void Plan::Builder::contribute(ChainPlan& chain, Target to, std::int32_t factor, bool translation, int step, int twist) {
+void Plan::Builder::contribute(ChainPlan& chain, Target to, std::int32_t factor, bool translation,
+                               int step, int twist) {
   const auto owner = static_cast<std::int32_t>(owners_.size());
   owners_.push_back({step, twist});
   chain.contributions[to.set].push_back({to, factor, first(to), owner, translation, false});
@@ -145,7 +150,9 @@ void Plan::Builder::twists(int c, int index, const Motion<Expr>& m) {
       return sum;
     };
     std::vector<Step::Twist>& list = chain.steps[index].twists;
-    list.push_back({{want(product(2, 1)), want(product(0, 2)), want(product(1, 0)), want(moved(0)), want(moved(1)), want(moved(2))}, 0});
+    list.push_back({{want(product(2, 1)), want(product(0, 2)), want(product(1, 0)), want(moved(0)),
+                     want(moved(1)), want(moved(2))},
+                    0});
     contribute(chain, to, -1, false, index, static_cast<int>(list.size()) - 1);
   }
 }

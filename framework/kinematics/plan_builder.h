@@ -1,6 +1,6 @@
-// Makes a plan. First (plan.cpp) it records what is wanted: rows, wrenches, axes and their derivatives, as
-// expressions. Then (plan_place.cpp) it decides what each node depends on, where its lanes are kept, and in
-// which order it is computed.
+// Makes a plan. First (plan.cpp) it records what is wanted: rows, wrenches, axes and their
+// derivatives, as expressions. Then (plan_place.cpp) it decides what each node depends on, where
+// its lanes are kept, and in which order it is computed.
 #pragma once
 
 #include <map>
@@ -28,14 +28,17 @@ class Plan::Builder {
   void wrenches(int chain);
   void steps(int chain);
   void twists(int chain, int step, const Motion<Expr>& motion);
-  void contribute(ChainPlan& chain, Target to, std::int32_t factor, bool translation, int step, int twist);
+  void contribute(ChainPlan& chain, Target to, std::int32_t factor, bool translation, int step,
+                  int twist);
   bool first(Target to) { return !std::exchange(plan_.touched_[to.set][to.column], 1); }
-  static std::map<int, Expr> sorted(const std::unordered_map<std::int32_t, Expr>& g) { return {g.begin(), g.end()}; }
+  static std::map<int, Expr> sorted(const std::unordered_map<std::int32_t, Expr>& g) {
+    return {g.begin(), g.end()};
+  }
 
   // Where it goes.
   unsigned char classify(std::int32_t node);
-  std::int32_t take(int count);             // offset of fresh lanes
-  std::int32_t offset(std::int32_t node);   // the node's lanes
+  std::int32_t take(int count);            // offset of fresh lanes
+  std::int32_t offset(std::int32_t node);  // the node's lanes
   void sort_by_class();
   void place_data_and_chains();
   void place_uniform();

@@ -10,9 +10,11 @@ unsigned char Plan::Builder::classify(std::int32_t i) {
   if (static_cast<std::size_t>(i) >= class_.size()) class_.resize(tape_.size(), 0xFF);
   if (class_[i] != 0xFF) return class_[i];
   const Node& n = tape_[i];
-  unsigned char result = n.op == Op::constant ? 0u + kConstant
-                         : n.op == Op::leaf   ? slot_class_[n.a]
-                                              : static_cast<unsigned char>(classify(n.a) | classify(n.b) | classify(n.c));
+  unsigned char result =
+      n.op == Op::constant ? 0u + kConstant
+      : n.op == Op::leaf
+          ? slot_class_[n.a]
+          : static_cast<unsigned char>(classify(n.a) | classify(n.b) | classify(n.c));
   return class_[i] = result;
 }
 
@@ -85,11 +87,13 @@ void Plan::Builder::place_data_and_chains() {
     const Node& n = tape_[i];
     if (n.op != Op::leaf) continue;
     if (slot_class_[n.a] == kState) {
-      const auto s = std::find(plan_.state_.begin(), plan_.state_.end(), n.a) - plan_.state_.begin();
+      const auto s =
+          std::find(plan_.state_.begin(), plan_.state_.end(), n.a) - plan_.state_.begin();
       where_[i] = plan_.state_offset_ + static_cast<int>(s) * lanes;
     } else {
       for (std::size_t c = 0; c < program_.chains.size(); ++c)
-        if (int k = n.a - program_.chains[c].first_slot; k >= 0 && k < 12) where_[i] = plan_.chains_[c].pose + k * lanes;
+        if (int k = n.a - program_.chains[c].first_slot; k >= 0 && k < 12)
+          where_[i] = plan_.chains_[c].pose + k * lanes;
     }
   }
 }
@@ -100,14 +104,16 @@ void Plan::Builder::place_uniform() {
     const Node& n = tape_[i];
     const auto out = static_cast<std::int32_t>(scalar_.size());
     auto arg = [&](std::int32_t a) { return a >= 0 ? scalar_[a] : -1; };
-    if (n.op == Op::leaf) plan_.uniform_.push_back({n.op, out, n.a, -1, -1, 0});
-    else plan_.uniform_.push_back({n.op, out, arg(n.a), arg(n.b), arg(n.c), n.value});
+    if (n.op == Op::leaf)
+      plan_.uniform_.push_back({n.op, out, n.a, -1, -1, 0});
+    else
+      plan_.uniform_.push_back({n.op, out, arg(n.a), arg(n.b), arg(n.c), n.value});
     scalar_[i] = out;
   }
 }
 
-// Products that are used once, by a sum, and sines beside cosines become one instruction; `inside` receives the nodes
-// that are then done within another's.
+// Products that are used once, by a sum, and sines beside cosines become one instruction; `inside`
+// receives the nodes that are then done within another's.
 std::map<std::int32_t, Plan::Builder::Pending> Plan::Builder::fuse(std::set<std::int32_t>& inside) {
   using Fused = Instruction::Fused;
   std::map<std::int32_t, Pending> fused;
@@ -127,11 +133,13 @@ std::map<std::int32_t, Plan::Builder::Pending> Plan::Builder::fuse(std::set<std:
     const Node& n = tape_[i];
     if ((n.op == Op::add || n.op == Op::sub) && product(n.b)) {
       const Node& m = tape_[n.b];
-      fused[i] = {n.op == Op::add ? Fused::multiply_add : Fused::subtract_product, i, m.a, m.b, n.a};
+      fused[i] = {n.op == Op::add ? Fused::multiply_add : Fused::subtract_product, i, m.a, m.b,
+                  n.a};
       inside.insert(n.b);
     } else if ((n.op == Op::add || n.op == Op::sub) && product(n.a)) {
       const Node& m = tape_[n.a];
-      fused[i] = {n.op == Op::add ? Fused::multiply_add : Fused::multiply_subtract, i, m.a, m.b, n.b};
+      fused[i] = {n.op == Op::add ? Fused::multiply_add : Fused::multiply_subtract, i, m.a, m.b,
+                  n.b};
       inside.insert(n.a);
     } else if (n.op == Op::sin && cosine_of.contains(n.a) && cosine_of[n.a] > i) {
       fused[i] = {Fused::sine_and_cosine, i, n.a, -1, cosine_of[n.a]};
@@ -141,8 +149,9 @@ std::map<std::int32_t, Plan::Builder::Pending> Plan::Builder::fuse(std::set<std:
   return fused;
 }
 
-// Instructions before and after the chains. Independent ones of one kind stand together: the interpreter then runs them
-// without branching. Lanes are given out in that order and taken back after a node's last use.
+// Instructions before and after the chains. Independent ones of one kind stand together: the
+// interpreter then runs them without branching. Lanes are given out in that order and taken back
+// after a node's last use.
 void Plan::Builder::schedule() {
   std::set<std::int32_t> inside;
   const std::map<std::int32_t, Pending> fused = fuse(inside);
@@ -151,7 +160,8 @@ void Plan::Builder::schedule() {
     const Node& n = tape_[i];
     if (n.op == Op::leaf || inside.contains(i)) continue;
     const auto f = fused.find(i);
-    pending[classify(i) & kChain ? 1 : 0].push_back(f != fused.end() ? f->second : Pending{Instruction::Fused::none, i, n.a, n.b, n.c});
+    pending[classify(i) & kChain ? 1 : 0].push_back(
+        f != fused.end() ? f->second : Pending{Instruction::Fused::none, i, n.a, n.b, n.c});
   }
   std::map<std::int32_t, int> depth;
   std::map<std::int32_t, const Pending*> last_use;
@@ -165,7 +175,8 @@ void Plan::Builder::schedule() {
       if (two_results) depth[k.c] = d;
     }
     std::stable_sort(list.begin(), list.end(), [&](const Pending& x, const Pending& y) {
-      return std::tuple(depth[x.node], x.fused, tape_[x.node].op) < std::tuple(depth[y.node], y.fused, tape_[y.node].op);
+      return std::tuple(depth[x.node], x.fused, tape_[x.node].op) <
+             std::tuple(depth[y.node], y.fused, tape_[y.node].op);
     });
     for (const Pending& k : list)
       for (std::int32_t a : {k.a, k.b, k.c}) last_use[a] = &k;
@@ -173,9 +184,11 @@ void Plan::Builder::schedule() {
   for (int stage = 0; stage < 2; ++stage)
     for (const Pending& k : pending[stage]) {
       const std::int32_t a = offset(k.a), b = offset(k.b), c = offset(k.c);
-      (stage ? plan_.after_ : plan_.before_).push_back({tape_[k.node].op, k.fused, offset(k.node), a, b, c});
+      (stage ? plan_.after_ : plan_.before_)
+          .push_back({tape_[k.node].op, k.fused, offset(k.node), a, b, c});
       for (std::int32_t i : std::set<std::int32_t>{k.a, k.b, k.c})
-        if (i >= 0 && last_use[i] == &k && varying_.contains(i) && tape_[i].op != Op::leaf && !wanted_.contains(i))
+        if (i >= 0 && last_use[i] == &k && varying_.contains(i) && tape_[i].op != Op::leaf &&
+            !wanted_.contains(i))
           spare_.push_back(where_[i]);
     }
 }

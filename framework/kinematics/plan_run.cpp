@@ -38,10 +38,17 @@ void Plan::run(const std::vector<Instruction>& instructions, double* w) {
   using P = const double*;
   while (in != end) {
     switch (in->fused) {
-      case Fused::none: break;
-      case Fused::multiply_add: alike([](P a, P b, P c) { return xsimd::fma(load(a), load(b), load(c)); }); continue;
-      case Fused::multiply_subtract: alike([](P a, P b, P c) { return xsimd::fms(load(a), load(b), load(c)); }); continue;
-      case Fused::subtract_product: alike([](P a, P b, P c) { return xsimd::fnma(load(a), load(b), load(c)); }); continue;
+      case Fused::none:
+        break;
+      case Fused::multiply_add:
+        alike([](P a, P b, P c) { return xsimd::fma(load(a), load(b), load(c)); });
+        continue;
+      case Fused::multiply_subtract:
+        alike([](P a, P b, P c) { return xsimd::fms(load(a), load(b), load(c)); });
+        continue;
+      case Fused::subtract_product:
+        alike([](P a, P b, P c) { return xsimd::fnma(load(a), load(b), load(c)); });
+        continue;
       case Fused::sine_and_cosine:
         alike([](P a, P, P c) {
           const auto both = xsimd::sincos(load(a));
@@ -51,25 +58,52 @@ void Plan::run(const std::vector<Instruction>& instructions, double* w) {
         continue;
     }
     switch (in->op) {
-      case Op::add: alike([](P a, P b, P) { return load(a) + load(b); }); break;
-      case Op::sub: alike([](P a, P b, P) { return load(a) - load(b); }); break;
-      case Op::mul: alike([](P a, P b, P) { return load(a) * load(b); }); break;
-      case Op::div: alike([](P a, P b, P) { return load(a) / load(b); }); break;
-      case Op::neg: alike([](P a, P, P) { return -load(a); }); break;
-      case Op::sin: alike([](P a, P, P) { return xsimd::sin(load(a)); }); break;
-      case Op::cos: alike([](P a, P, P) { return xsimd::cos(load(a)); }); break;
-      case Op::atan2: alike([](P a, P b, P) { return xsimd::atan2(load(a), load(b)); }); break;
-      case Op::sqrt: alike([](P a, P, P) { return xsimd::sqrt(load(a)); }); break;
-      case Op::acos: alike([](P a, P, P) { return xsimd::acos(load(a)); }); break;
-      case Op::asin: alike([](P a, P, P) { return xsimd::asin(load(a)); }); break;
-      case Op::abs: alike([](P a, P, P) { return xsimd::abs(load(a)); }); break;
-      case Op::less: alike([](P a, P b, P) { return xsimd::select(load(a) < load(b), V(1.0), V(0.0)); }); break;
+      case Op::add:
+        alike([](P a, P b, P) { return load(a) + load(b); });
+        break;
+      case Op::sub:
+        alike([](P a, P b, P) { return load(a) - load(b); });
+        break;
+      case Op::mul:
+        alike([](P a, P b, P) { return load(a) * load(b); });
+        break;
+      case Op::div:
+        alike([](P a, P b, P) { return load(a) / load(b); });
+        break;
+      case Op::neg:
+        alike([](P a, P, P) { return -load(a); });
+        break;
+      case Op::sin:
+        alike([](P a, P, P) { return xsimd::sin(load(a)); });
+        break;
+      case Op::cos:
+        alike([](P a, P, P) { return xsimd::cos(load(a)); });
+        break;
+      case Op::atan2:
+        alike([](P a, P b, P) { return xsimd::atan2(load(a), load(b)); });
+        break;
+      case Op::sqrt:
+        alike([](P a, P, P) { return xsimd::sqrt(load(a)); });
+        break;
+      case Op::acos:
+        alike([](P a, P, P) { return xsimd::acos(load(a)); });
+        break;
+      case Op::asin:
+        alike([](P a, P, P) { return xsimd::asin(load(a)); });
+        break;
+      case Op::abs:
+        alike([](P a, P, P) { return xsimd::abs(load(a)); });
+        break;
+      case Op::less:
+        alike([](P a, P b, P) { return xsimd::select(load(a) < load(b), V(1.0), V(0.0)); });
+        break;
       case Op::select:
         alike([](P a, P b, P c) { return xsimd::select(load(a) != V(0.0), load(b), load(c)); });
         break;
       default: {
         double* out = w + in->out;
-        for (int i = 0; i < lanes; ++i) out[i] = apply(in->op, w[in->a + i], w[in->b + i], w[in->c + i]);
+        for (int i = 0; i < lanes; ++i)
+          out[i] = apply(in->op, w[in->a + i], w[in->b + i], w[in->c + i]);
         ++in;
       }
     }
@@ -80,8 +114,11 @@ void Plan::set_parameters(Buffer& workspace, std::span<const double> slots) cons
   double* s = workspace.data() + scalar_offset_;
   auto at = [&](std::int32_t i) { return i >= 0 ? s[i] : 0.0; };
   for (const UniformNode& u : uniform_)
-    s[u.out] = u.op == Op::leaf ? slots[u.a] : u.op == Op::constant ? u.value : apply(u.op, at(u.a), at(u.b), at(u.c));
-  for (const auto& [from, to] : broadcast_) each(&workspace[to], [value = s[from]](int) { return V(value); });
+    s[u.out] = u.op == Op::leaf       ? slots[u.a]
+               : u.op == Op::constant ? u.value
+                                      : apply(u.op, at(u.a), at(u.b), at(u.c));
+  for (const auto& [from, to] : broadcast_)
+    each(&workspace[to], [value = s[from]](int) { return V(value); });
 }
 
 namespace {
@@ -112,11 +149,14 @@ struct RunningPose {
   }
   template <int Axis, bool Rotation>
   void elementary(const double* a, const double* b, double* line) {
-    if constexpr (Rotation) rotate<Axis>(load(a), load(b));
-    else translate<Axis>(load(a));
+    if constexpr (Rotation)
+      rotate<Axis>(load(a), load(b));
+    else
+      translate<Axis>(load(a));
     if (!line) return;
     const V w[3] = {R[0][Axis], R[1][Axis], R[2][Axis]};
-    if constexpr (Rotation) keep(line, w, {V(0.0), V(0.0), V(0.0)});
+    if constexpr (Rotation)
+      keep(line, w, {V(0.0), V(0.0), V(0.0)});
     else
       for (int i = 0; i < 3; ++i) store(line + i * lanes, w[i]);
   }
@@ -136,21 +176,28 @@ void Plan::forward(const ChainPlan& chain, double* w) {
       const double *a = w + s.a + l, *b = w + s.b + l;
       double* line = s.line >= 0 ? w + s.line + l : nullptr;
       if (s.kind == Motion<Expr>::Kind::rotation) {
-        if (s.axis == 0) T.elementary<0, true>(a, b, line);
-        else if (s.axis == 1) T.elementary<1, true>(a, b, line);
-        else T.elementary<2, true>(a, b, line);
+        if (s.axis == 0)
+          T.elementary<0, true>(a, b, line);
+        else if (s.axis == 1)
+          T.elementary<1, true>(a, b, line);
+        else
+          T.elementary<2, true>(a, b, line);
         continue;
       }
       if (s.kind == Motion<Expr>::Kind::translation) {
-        if (s.axis == 0) T.elementary<0, false>(a, b, line);
-        else if (s.axis == 1) T.elementary<1, false>(a, b, line);
-        else T.elementary<2, false>(a, b, line);
+        if (s.axis == 0)
+          T.elementary<0, false>(a, b, line);
+        else if (s.axis == 1)
+          T.elementary<1, false>(a, b, line);
+        else
+          T.elementary<2, false>(a, b, line);
         continue;
       }
       auto m = [&](int k) { return load(w + s.matrix[k] + l); };
       for (int i = 0; i < 3; ++i) {
         const V x = T.R[i][0], y = T.R[i][1], z = T.R[i][2];
-        for (int j = 0; j < 3; ++j) T.R[i][j] = xsimd::fma(x, m(j), xsimd::fma(y, m(3 + j), z * m(6 + j)));
+        for (int j = 0; j < 3; ++j)
+          T.R[i][j] = xsimd::fma(x, m(j), xsimd::fma(y, m(3 + j), z * m(6 + j)));
         T.p[i] += xsimd::fma(x, m(9), xsimd::fma(y, m(10), z * m(11)));
       }
       for (const Step::Twist& t : s.twists) {
@@ -158,7 +205,8 @@ void Plan::forward(const ChainPlan& chain, double* w) {
         for (int h = 0; h < 2; ++h)
           for (int i = 0; i < 3; ++i) {
             auto part = [&](int k) { return load(w + t.parts[3 * h + k] + l); };
-            turned[h][i] = xsimd::fma(T.R[i][0], part(0), xsimd::fma(T.R[i][1], part(1), T.R[i][2] * part(2)));
+            turned[h][i] =
+                xsimd::fma(T.R[i][0], part(0), xsimd::fma(T.R[i][1], part(1), T.R[i][2] * part(2)));
           }
         T.keep(w + t.line + l, turned[0], turned[1]);
       }
@@ -173,13 +221,16 @@ void Plan::forward(const ChainPlan& chain, double* w) {
 void Plan::evaluate(Buffer& workspace, const double* data, const double* state) const {
   double* w = workspace.data();
   std::memcpy(w + data_offset_, data, data_nodes_.size() * lanes * sizeof(double));
-  if (!state_.empty()) std::memcpy(w + state_offset_, state, state_.size() * lanes * sizeof(double));
+  if (!state_.empty())
+    std::memcpy(w + state_offset_, state, state_.size() * lanes * sizeof(double));
   run(before_, w);
   for (const ChainPlan& chain : chains_) forward(chain, w);
   run(after_, w);
 }
 
-const double* Plan::pose(const Buffer& workspace, int chain) const { return &workspace[chains_[chain].pose]; }
+const double* Plan::pose(const Buffer& workspace, int chain) const {
+  return &workspace[chains_[chain].pose];
+}
 
 void Plan::wrenches(const ChainPlan& chain, const RowTransform& transform, double* w) const {
   const int m = rows();
@@ -192,11 +243,13 @@ void Plan::wrenches(const ChainPlan& chain, const RowTransform& transform, doubl
           V sum(0.0);
           for (int q = 0; q < m; ++q)
             if (chain.wrench_nodes[q][k] >= 0)
-              sum = xsimd::fma(load(transform.values + (r * m + q) * lanes + l), load(w + chain.wrench_nodes[q][k] + l), sum);
+              sum = xsimd::fma(load(transform.values + (r * m + q) * lanes + l),
+                               load(w + chain.wrench_nodes[q][k] + l), sum);
           return sum;
         });
       } else if (node >= 0 && transform.kind == RowTransform::Kind::diagonal) {
-        each(out, [&](int l) { return load(w + node + l) * load(transform.values + r * lanes + l); });
+        each(out,
+             [&](int l) { return load(w + node + l) * load(transform.values + r * lanes + l); });
       } else if (node >= 0) {
         each(out, [&](int l) { return load(w + node + l); });
       }
@@ -205,8 +258,8 @@ void Plan::wrenches(const ChainPlan& chain, const RowTransform& transform, doubl
 
 // A few rows at a time, so that their wrenches stay in registers while the columns pass by.
 template <int Rows, bool Force>
-void Plan::fill_columns(const std::vector<Contribution>& list, const double* const* wrench, double* const* out, std::size_t stride,
-                   const double* w) {
+void Plan::fill_columns(const std::vector<Contribution>& list, const double* const* wrench,
+                        double* const* out, std::size_t stride, const double* w) {
   for (int l = 0; l < lanes; l += step) {
     V f[Rows][3], n[Rows][3], g[Rows];
     for (int r = 0; r < Rows; ++r)
@@ -220,13 +273,17 @@ void Plan::fill_columns(const std::vector<Contribution>& list, const double* con
         const V x = load(line), y = load(line + lanes), z = load(line + 2 * lanes);
         if (k.translation) {  // direction . force
           for (int r = 0; r < Rows; ++r) {
-            if constexpr (Force) g[r] = xsimd::fma(x, f[r][0], xsimd::fma(y, f[r][1], z * f[r][2]));
-            else g[r] = V(0.0);
+            if constexpr (Force)
+              g[r] = xsimd::fma(x, f[r][0], xsimd::fma(y, f[r][1], z * f[r][2]));
+            else
+              g[r] = V(0.0);
           }
         } else {  // direction . moment + moment of the axis . force
-          for (int r = 0; r < Rows; ++r) g[r] = xsimd::fma(x, n[r][0], xsimd::fma(y, n[r][1], z * n[r][2]));
+          for (int r = 0; r < Rows; ++r)
+            g[r] = xsimd::fma(x, n[r][0], xsimd::fma(y, n[r][1], z * n[r][2]));
           if constexpr (Force) {
-            const V a = load(line + 3 * lanes), b = load(line + 4 * lanes), c = load(line + 5 * lanes);
+            const V a = load(line + 3 * lanes), b = load(line + 4 * lanes),
+                    c = load(line + 5 * lanes);
             for (int r = 0; r < Rows; ++r)
               g[r] = xsimd::fma(a, f[r][0], xsimd::fma(b, f[r][1], xsimd::fma(c, f[r][2], g[r])));
           }
@@ -244,7 +301,8 @@ void Plan::fill_columns(const std::vector<Contribution>& list, const double* con
   }
 }
 
-void Plan::jacobian(Buffer& workspace, int set, const RowTransform& transform, double* J, std::size_t stride) const {
+void Plan::jacobian(Buffer& workspace, int set, const RowTransform& transform, double* J,
+                    std::size_t stride) const {
   double* w = workspace.data();
   const int m = rows();
   const std::size_t size = static_cast<std::size_t>(m) * lanes;
@@ -260,9 +318,12 @@ void Plan::jacobian(Buffer& workspace, int set, const RowTransform& transform, d
       int filled = 0;
       auto flush = [&] {
         const auto& list = chain.contributions[set];
-        if (filled == 3) (force ? fill_columns<3, true> : fill_columns<3, false>)(list, wrench, out, stride, w);
-        if (filled == 2) (force ? fill_columns<2, true> : fill_columns<2, false>)(list, wrench, out, stride, w);
-        if (filled == 1) (force ? fill_columns<1, true> : fill_columns<1, false>)(list, wrench, out, stride, w);
+        if (filled == 3)
+          (force ? fill_columns<3, true> : fill_columns<3, false>)(list, wrench, out, stride, w);
+        if (filled == 2)
+          (force ? fill_columns<2, true> : fill_columns<2, false>)(list, wrench, out, stride, w);
+        if (filled == 1)
+          (force ? fill_columns<1, true> : fill_columns<1, false>)(list, wrench, out, stride, w);
         filled = 0;
       };
       for (int r = 0; r < m; ++r) {
@@ -277,7 +338,8 @@ void Plan::jacobian(Buffer& workspace, int set, const RowTransform& transform, d
     if (!dense)
       for (const Contribution& k : chain.contributions[set])
         for (int r = 0; k.first && r < m; ++r)
-          if (!chain.row_used[r]) std::memset(J + k.to.column * stride + r * lanes, 0, lanes * sizeof(double));
+          if (!chain.row_used[r])
+            std::memset(J + k.to.column * stride + r * lanes, 0, lanes * sizeof(double));
   }
   for (const Direct& d : direct_) {
     if (d.to.set != set) continue;
@@ -285,9 +347,10 @@ void Plan::jacobian(Buffer& workspace, int set, const RowTransform& transform, d
     if (d.first) std::memset(out, 0, size * sizeof(double));
     for (int r = 0; r < m; ++r) {
       if (!dense && r != d.row) continue;
-      const double* factor = dense                                             ? transform.values + (r * m + d.row) * lanes
-                             : transform.kind == RowTransform::Kind::diagonal ? transform.values + r * lanes
-                                                                              : nullptr;
+      const double* factor = dense ? transform.values + (r * m + d.row) * lanes
+                             : transform.kind == RowTransform::Kind::diagonal
+                                 ? transform.values + r * lanes
+                                 : nullptr;
       each(out + r * lanes, [&](int l) {
         const V value = factor ? load(w + d.node + l) * load(factor + l) : load(w + d.node + l);
         return value + load(out + r * lanes + l);

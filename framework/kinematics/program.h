@@ -1,9 +1,10 @@
 // A compiled model: immutable, and safe to share between threads.
 //
 // Compiling runs every plugin once on tracing numbers. What is left is one tape of scalar
-// expressions on numbered slots (free parameters, readings, unknowns, measured columns, covariates),
-// chains of elementary motions whose amounts are such expressions, and residual rows as expressions of
-// the chains' end poses and of the measured columns. The solver never learns which joint it was.
+// expressions on numbered slots (free parameters, readings, unknowns, measured columns,
+// covariates), chains of elementary motions whose amounts are such expressions, and residual rows
+// as expressions of the chains' end poses and of the measured columns. The solver never learns
+// which joint it was.
 #pragma once
 
 #include <map>
@@ -21,7 +22,7 @@ namespace talus {
 
 // A free number of the model.
 struct Parameter {
-  std::string name;  // "joint2.a", or the name of a <parameter>
+  std::string name;                // "joint2.a", or the name of a <parameter>
   std::string element, attribute;  // where its text stands in the model
   Dimension dimension;
   Quantity nominal;
@@ -40,7 +41,8 @@ struct Reading {
   Expr value;  // the coordinate it means, calibrated
 };
 
-// A number found per pose (`per` empty) or per group of rows with equal values in the columns `per`.
+// A number found per pose (`per` empty) or per group of rows with equal values in the columns
+// `per`.
 struct Unknown {
   std::string name;
   Dimension dimension;
@@ -102,8 +104,8 @@ enum class LossKind { none, huber, cauchy };
 struct CalibrationSettings {
   Objective objective = Objective::least_squares;
   LossKind loss = LossKind::none;
-  double loss_scale = 2;  // in sigmas
-  bool weighted = false;  // weights were given: rows are weighted by them rather than by sigmas
+  double loss_scale = 2;    // in sigmas
+  bool weighted = false;    // weights were given: rows are weighted by them rather than by sigmas
   bool full_scale = false;  // rows are divided by their full-scale range first
   std::vector<std::string> groups;  // columns whose equal rows are held out together
 };
@@ -133,8 +135,9 @@ struct Program {
 // The slots (data, parameters, unknowns) that each residual row depends on, through its chain too.
 std::vector<std::vector<int>> row_support(const Program& program);
 
-// Compiles a checked model. InputError for: wrong or missing units, unknown or cyclic names, frames that hang
-// loose or are reached twice, residuals that do not fit their feature, a free parameter that no residual sees.
+// Compiles a checked model. InputError for: wrong or missing units, unknown or cyclic names, frames
+// that hang loose or are reached twice, residuals that do not fit their feature, a free parameter
+// that no residual sees.
 Program compile(const Model& model, const Registry& registry);
 
 }  // namespace talus

@@ -26,8 +26,8 @@ template <class T>
 struct Motion {
   enum class Kind { rotation, translation, matrix };
   Kind kind = Kind::translation;
-  int axis = 0;  // 0, 1, 2: x, y, z of the frame before the motion
-  T amount{};    // rad or mm; for rotation and translation
+  int axis = 0;              // 0, 1, 2: x, y, z of the frame before the motion
+  T amount{};                // rad or mm; for rotation and translation
   Matrix3<T> rotation{};     // for matrix
   Vector3<T> translation{};  // for matrix
 };
@@ -58,13 +58,32 @@ class Rigid {
   std::vector<Motion<T>> motions_;
 };
 
-template <class T> Rigid<T> rotate_x(const T& angle) { return Rigid<T>({Motion<T>::Kind::rotation, 0, angle}); }
-template <class T> Rigid<T> rotate_y(const T& angle) { return Rigid<T>({Motion<T>::Kind::rotation, 1, angle}); }
-template <class T> Rigid<T> rotate_z(const T& angle) { return Rigid<T>({Motion<T>::Kind::rotation, 2, angle}); }
-template <class T> Rigid<T> translate_x(const T& by) { return Rigid<T>({Motion<T>::Kind::translation, 0, by}); }
-template <class T> Rigid<T> translate_y(const T& by) { return Rigid<T>({Motion<T>::Kind::translation, 1, by}); }
-template <class T> Rigid<T> translate_z(const T& by) { return Rigid<T>({Motion<T>::Kind::translation, 2, by}); }
-template <class T> Rigid<T> translate(const T& x, const T& y, const T& z) {
+template <class T>
+Rigid<T> rotate_x(const T& angle) {
+  return Rigid<T>({Motion<T>::Kind::rotation, 0, angle});
+}
+template <class T>
+Rigid<T> rotate_y(const T& angle) {
+  return Rigid<T>({Motion<T>::Kind::rotation, 1, angle});
+}
+template <class T>
+Rigid<T> rotate_z(const T& angle) {
+  return Rigid<T>({Motion<T>::Kind::rotation, 2, angle});
+}
+template <class T>
+Rigid<T> translate_x(const T& by) {
+  return Rigid<T>({Motion<T>::Kind::translation, 0, by});
+}
+template <class T>
+Rigid<T> translate_y(const T& by) {
+  return Rigid<T>({Motion<T>::Kind::translation, 1, by});
+}
+template <class T>
+Rigid<T> translate_z(const T& by) {
+  return Rigid<T>({Motion<T>::Kind::translation, 2, by});
+}
+template <class T>
+Rigid<T> translate(const T& x, const T& y, const T& z) {
   return translate_x(x) * translate_y(y) * translate_z(z);
 }
 
@@ -117,42 +136,60 @@ Rigid<T> from_quaternion(const Vector3<T>& p, const T& w, const T& x, const T& y
 }
 
 // Rotation vector (axis times angle, rad); smooth through zero.
-template <class T> Rigid<T> rotate_by_vector(const T& x, const T& y, const T& z);
+template <class T>
+Rigid<T> rotate_by_vector(const T& x, const T& y, const T& z);
 
 // Its inverse, for angles below 180 deg; smooth through zero. (Logarithm of a rotation matrix.)
-template <class T> Vector3<T> rotation_vector(const Matrix3<T>& rotation);
+template <class T>
+Vector3<T> rotation_vector(const Matrix3<T>& rotation);
 
 // Three angles in the usual orders: Rz(a) Rx(b) Rz(c), and Rz(yaw) Ry(pitch) Rx(roll).
-template <class T> Rigid<T> rotate_zxz(const T& a, const T& b, const T& c) {
+template <class T>
+Rigid<T> rotate_zxz(const T& a, const T& b, const T& c) {
   return rotate_z(a) * rotate_x(b) * rotate_z(c);
 }
-template <class T> Rigid<T> rotate_rpy(const T& roll, const T& pitch, const T& yaw) {
+template <class T>
+Rigid<T> rotate_rpy(const T& roll, const T& pitch, const T& yaw) {
   return rotate_z(yaw) * rotate_y(pitch) * rotate_x(roll);
 }
 
 // Small helpers on vectors and rotation matrices.
-template <class T> T dot(const Vector3<T>& a, const Vector3<T>& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-template <class T> Vector3<T> cross(const Vector3<T>& a, const Vector3<T>& b) {
+template <class T>
+T dot(const Vector3<T>& a, const Vector3<T>& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+template <class T>
+Vector3<T> cross(const Vector3<T>& a, const Vector3<T>& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
-template <class T> Vector3<T> operator-(const Vector3<T>& a, const Vector3<T>& b) {
+template <class T>
+Vector3<T> operator-(const Vector3<T>& a, const Vector3<T>& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
-template <class T> Vector3<T> column(const Matrix3<T>& R, int j) { return {R[0][j], R[1][j], R[2][j]}; }
+template <class T>
+Vector3<T> column(const Matrix3<T>& R, int j) {
+  return {R[0][j], R[1][j], R[2][j]};
+}
 
 // sqrt(q) whose derivative at 0 is 0 instead of infinite: for lengths that may vanish.
-template <class T> T safe_sqrt(const T& q) {
+template <class T>
+T safe_sqrt(const T& q) {
   using std::sqrt;
   const T positive = less(T(0), q);
   return select(positive, sqrt(select(positive, q, T(1))), T(0));
 }
-template <class T> T norm(const Vector3<T>& a) { return safe_sqrt(dot(a, a)); }
+template <class T>
+T norm(const Vector3<T>& a) {
+  return safe_sqrt(dot(a, a));
+}
 
 // A vector given in A, seen from B: R_A_B^T v_A; and the rotation R_B_C = R_A_B^T R_A_C.
-template <class T> Vector3<T> seen_from(const Matrix3<T>& R_A_B, const Vector3<T>& v_A) {
+template <class T>
+Vector3<T> seen_from(const Matrix3<T>& R_A_B, const Vector3<T>& v_A) {
   return {dot(column(R_A_B, 0), v_A), dot(column(R_A_B, 1), v_A), dot(column(R_A_B, 2), v_A)};
 }
-template <class T> Matrix3<T> seen_from(const Matrix3<T>& R_A_B, const Matrix3<T>& R_A_C) {
+template <class T>
+Matrix3<T> seen_from(const Matrix3<T>& R_A_B, const Matrix3<T>& R_A_C) {
   Matrix3<T> R_B_C;
   for (int j = 0; j < 3; ++j)
     for (int i = 0; i < 3; ++i) R_B_C[i][j] = dot(column(R_A_B, i), column(R_A_C, j));

@@ -63,7 +63,8 @@ template <class T>
 Vector3<T> rotation_vector(const Matrix3<T>& R) {
   using std::atan2, std::sqrt;
   const T half(0.5);
-  const Vector3<T> v{half * (R[2][1] - R[1][2]), half * (R[0][2] - R[2][0]), half * (R[1][0] - R[0][1])};
+  const Vector3<T> v{half * (R[2][1] - R[1][2]), half * (R[0][2] - R[2][0]),
+                     half * (R[1][0] - R[0][1])};
   const T s2 = dot<T>(v, v), c = half * (R[0][0] + R[1][1] + R[2][2] - T(1));
   const T small = less(s2, T(1e-6)) * less(T(0), c);
   const T s = sqrt(select(small, T(1), s2));

@@ -20,7 +20,8 @@ TapeValues::TapeValues(const Tape& tape, std::vector<std::int32_t> wanted) {
     const Node& n = tape[i];
     auto argument = [&](std::int32_t a) { return a >= 0 ? at[a] : 0; };
     const bool leaf = n.op == Op::leaf;
-    steps_.push_back({n.op, leaf ? n.a : argument(n.a), leaf ? 0 : argument(n.b), leaf ? 0 : argument(n.c), n.value});
+    steps_.push_back({n.op, leaf ? n.a : argument(n.a), leaf ? 0 : argument(n.b),
+                      leaf ? 0 : argument(n.c), n.value});
     at[i] = static_cast<int>(steps_.size()) - 1;
   }
   for (std::int32_t i : wanted) wanted_.push_back(at[i]);

@@ -1,4 +1,5 @@
-// Values of some nodes of a tape, pose after pose: what depends on data alone is computed this way, once.
+// Values of some nodes of a tape, pose after pose: what depends on data alone is computed this way,
+// once.
 #pragma once
 
 #include <span>

@@ -34,8 +34,8 @@ class InputError : public std::runtime_error {
   Place place_;
 };
 
-// The candidate nearest to `word` by edit distance (insert, delete, replace, swap neighbours), or ""
-// when none is near enough to be meant.
+// The candidate nearest to `word` by edit distance (insert, delete, replace, swap neighbours), or
+// "" when none is near enough to be meant.
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates);
 
 // "a, b, c"

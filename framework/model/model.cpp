@@ -38,7 +38,8 @@ bool same(const Element& a, const Element& b) {
     const Attribute* other = b.find(attribute.name);
     if (!other || other->text != attribute.text) return false;
   }
-  return std::equal(a.children.begin(), a.children.end(), b.children.begin(), b.children.end(), same);
+  return std::equal(a.children.begin(), a.children.end(), b.children.begin(), b.children.end(),
+                    same);
 }
 
 }  // namespace talus

@@ -30,7 +30,7 @@ struct Element {
   const Attribute* find(std::string_view attribute) const;
   std::string text(std::string_view attribute, std::string_view otherwise = {}) const;
   std::string name() const { return text("name"); }
-  Element* find_named(std::string_view name);  // among all below
+  Element* find_named(std::string_view name);              // among all below
   void set(std::string_view attribute, std::string text);  // keeps the place of what it replaces
 };
 

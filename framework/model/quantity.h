@@ -31,8 +31,9 @@ struct Quantity {
 bool looks_like_quantity(std::string_view text);
 
 // Reads `text` as a quantity of `dimension`; throws InputError at `place`, that of the text's first
-// character, with the column moved to the offending character (not byte), on a wrong unit, a malformed number, a tolerance that is not positive, empty bounds, a
-// value out of its bounds, or anything left over.
+// character, with the column moved to the offending character (not byte), on a wrong unit, a
+// malformed number, a tolerance that is not positive, empty bounds, a value out of its bounds, or
+// anything left over.
 Quantity parse_quantity(std::string_view text, Dimension dimension, const UnitSystem& units,
                         const Place& place);
 

@@ -53,10 +53,11 @@ std::string write_recordings(const Recordings& recordings);  // CSV; reads back 
 
 // Rows to fit and rows to check. With a `use` column that decides. Otherwise `check_share` of the
 // groups is drawn at random from the seed, at least one and never all. A group is what must not be
-// torn apart: rows with equal values in all columns of one entry of `group_columns` (those the model's unknowns are shared by,
-// `star`-like ids the user names with --group) and rows that repeat one setting. Repeats are rows
-// whose readings, each sorted by size, follow without a gap larger than `repeat_tolerance`: with a
-// tolerance larger than the steps of a slow motion, all of that motion is one group.
+// torn apart: rows with equal values in all columns of one entry of `group_columns` (those the
+// model's unknowns are shared by, `star`-like ids the user names with --group) and rows that repeat
+// one setting. Repeats are rows whose readings, each sorted by size, follow without a gap larger
+// than `repeat_tolerance`: with a tolerance larger than the steps of a slow motion, all of that
+// motion is one group.
 struct Split {
   std::vector<std::size_t> fit, check;  // row numbers, increasing
   std::vector<int> group;               // of each row, numbered as they first appear

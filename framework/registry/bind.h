@@ -24,14 +24,18 @@ R call(R (*f)(A...), Plugin::Inputs inputs, Plugin::Choices choices, const Fixed
   std::size_t next_input = 0, next_choice = 0;
   auto take = [&]<std::size_t I>() -> decltype(auto) {
     using Wanted = std::decay_t<std::tuple_element_t<I, std::tuple<A...>>>;
-    if constexpr (I < sizeof...(Fixed)) return Wanted(std::get<I>(std::tie(fixed...)));
-    else if constexpr (std::is_same_v<Wanted, int>) return int(choices[next_choice++]);
-    else return Expr(inputs[next_input++]);
+    if constexpr (I < sizeof...(Fixed))
+      return Wanted(std::get<I>(std::tie(fixed...)));
+    else if constexpr (std::is_same_v<Wanted, int>)
+      return int(choices[next_choice++]);
+    else
+      return Expr(inputs[next_input++]);
   };
   return [&]<std::size_t... I>(std::index_sequence<I...>) {
     std::tuple<std::decay_t<A>...> arguments{take.template operator()<I>()...};  // left to right
     return std::apply(f, std::move(arguments));
-  }(std::index_sequence_for<A...>{});
+  }
+  (std::index_sequence_for<A...>{});
 }
 
 void check_arity(const Declaration& declaration, const char* function, int inputs, int choices,
@@ -39,7 +43,8 @@ void check_arity(const Declaration& declaration, const char* function, int input
 
 template <class R, class... A>
 void check(const Declaration& d, const char* function, int fixed, int wanted, R (*)(A...)) {
-  check_arity(d, function, int(sizeof...(A)) - fixed - count_choices<A...>, count_choices<A...>, wanted);
+  check_arity(d, function, int(sizeof...(A)) - fixed - count_choices<A...>, count_choices<A...>,
+              wanted);
 }
 
 template <class P>
@@ -60,7 +65,9 @@ Plugin make() {
   }
   if constexpr (requires { &P::template value<Expr>; }) {
     check(d, "value", 1, inputs, &P::template value<Expr>);
-    plugin.value = [](const Expr& r, In in, Ch ch) { return call(&P::template value<Expr>, in, ch, r); };
+    plugin.value = [](const Expr& r, In in, Ch ch) {
+      return call(&P::template value<Expr>, in, ch, r);
+    };
   }
   if constexpr (requires { &P::template observe<Expr>; }) {
     check(d, "observe", 0, int(d.columns.size()), &P::template observe<Expr>);
@@ -110,9 +117,13 @@ __attribute__((visibility("default"), weak)) void talus_plugin_register(talus::R
   }
 }
 }
-#define TALUS_PLUGIN(Struct) \
-  namespace { const bool talus_added_##Struct = ::talus::bind::add_to_library(&::talus::bind::make<Struct>); }
+#define TALUS_PLUGIN(Struct)                                                                     \
+  namespace {                                                                                    \
+  const bool talus_added_##Struct = ::talus::bind::add_to_library(&::talus::bind::make<Struct>); \
+  }
 #else
-#define TALUS_PLUGIN(Struct) \
-  namespace { const bool talus_added_##Struct = ::talus::bind::add_built_in(&::talus::bind::make<Struct>); }
+#define TALUS_PLUGIN(Struct)                                                                   \
+  namespace {                                                                                  \
+  const bool talus_added_##Struct = ::talus::bind::add_built_in(&::talus::bind::make<Struct>); \
+  }
 #endif

@@ -42,10 +42,10 @@ std::string to_string(Kind kind);
 template <class T>
 struct Observed {
   Kind kind = Kind::nothing;
-  Rigid<T> frame;      // T_in_feature: whole for a frame, translation only for a point
-  Vector3<T> vector{}; // direction: unit vector; for inverse direction cosines as measured: angles
-  T scalar{};          // scalar
-  bool angles = false; // direction given by its three angles to the axes rather than by components
+  Rigid<T> frame;       // T_in_feature: whole for a frame, translation only for a point
+  Vector3<T> vector{};  // direction: unit vector; for inverse direction cosines as measured: angles
+  T scalar{};           // scalar
+  bool angles = false;  // direction given by its three angles to the axes rather than by components
 };
 
 struct Input {
@@ -75,9 +75,9 @@ struct Declaration {
   std::string summary;  // one line; ends with the source (paper, equation) where there is one
   std::vector<Input> inputs;
   std::vector<Choice> choices;
-  std::vector<Column> columns;              // features: measured columns; residuals: rows
-  std::vector<Kind> kinds;                  // features: the one observed; residuals: those accepted
-  std::vector<std::string> residuals;       // features: those taken where the model names none
+  std::vector<Column> columns;         // features: measured columns; residuals: rows
+  std::vector<Kind> kinds;             // features: the one observed; residuals: those accepted
+  std::vector<std::string> residuals;  // features: those taken where the model names none
   Dimension reading = number, value = number;  // sensors
   bool lua = false;
 
@@ -87,7 +87,9 @@ struct Declaration {
   Declaration& choice(std::string name, std::vector<std::string> words, std::string meaning);
   Declaration& column(std::string suffix, Dimension dimension);
   Declaration& judged_by(std::vector<std::string> residuals);
-  Declaration& row(std::string name, Dimension dimension) { return column(std::move(name), dimension); }
+  Declaration& row(std::string name, Dimension dimension) {
+    return column(std::move(name), dimension);
+  }
 
   const Input* find_input(std::string_view name) const;
   const Choice* find_choice(std::string_view name) const;
@@ -103,9 +105,9 @@ struct Plugin {
   using Inputs = std::span<const Expr>;
   using Choices = std::span<const int>;
   Declaration declaration;
-  std::function<Rigid<Expr>(Inputs, Choices)> transform;               // joints; features' offset
-  std::function<Expr(const Expr&, Inputs, Choices)> value;             // sensors
-  std::function<Observed<Expr>(Inputs, Choices)> observe;              // features, from columns
+  std::function<Rigid<Expr>(Inputs, Choices)> transform;    // joints; features' offset
+  std::function<Expr(const Expr&, Inputs, Choices)> value;  // sensors
+  std::function<Observed<Expr>(Inputs, Choices)> observe;   // features, from columns
   std::function<std::vector<Expr>(const Rigid<Expr>&, const Observed<Expr>&, Inputs, Choices)> rows;
   std::string origin;  // "built in", or the file it was loaded from
 };

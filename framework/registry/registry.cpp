@@ -37,7 +37,8 @@ Declaration& Declaration::required(std::string name, Dimension dimension, std::s
   return *this;
 }
 
-Declaration& Declaration::choice(std::string name, std::vector<std::string> words, std::string meaning) {
+Declaration& Declaration::choice(std::string name, std::vector<std::string> words,
+                                 std::string meaning) {
   choices.push_back({std::move(name), std::move(words), std::move(meaning)});
   return *this;
 }
@@ -53,12 +54,14 @@ Declaration& Declaration::judged_by(std::vector<std::string> tags) {
 }
 
 const Input* Declaration::find_input(std::string_view name) const {
-  auto it = std::find_if(inputs.begin(), inputs.end(), [&](const Input& i) { return i.name == name; });
+  auto it =
+      std::find_if(inputs.begin(), inputs.end(), [&](const Input& i) { return i.name == name; });
   return it == inputs.end() ? nullptr : &*it;
 }
 
 const Choice* Declaration::find_choice(std::string_view name) const {
-  auto it = std::find_if(choices.begin(), choices.end(), [&](const Choice& c) { return c.name == name; });
+  auto it =
+      std::find_if(choices.begin(), choices.end(), [&](const Choice& c) { return c.name == name; });
   return it == choices.end() ? nullptr : &*it;
 }
 
@@ -100,8 +103,9 @@ bool add_built_in(Plugin (*maker)()) {
 
 void check_arity(const Declaration& d, const char* function, int inputs, int choices, int wanted) {
   if (inputs != wanted || choices != int(d.choices.size()))
-    throw InputError(fmt::format("plugin '{}': {}() takes {} numbers and {} choices, its declaration has {} and {}",
-                                 d.tag, function, inputs, choices, wanted, d.choices.size()));
+    throw InputError(fmt::format(
+        "plugin '{}': {}() takes {} numbers and {} choices, its declaration has {} and {}", d.tag,
+        function, inputs, choices, wanted, d.choices.size()));
 }
 
 }  // namespace bind
@@ -121,10 +125,12 @@ Registry& Registry::built_in() {
 
 static bool is_identifier(std::string_view s) {
   return !s.empty() && !std::isdigit(static_cast<unsigned char>(s[0])) &&
-         std::all_of(s.begin(), s.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+         std::all_of(s.begin(), s.end(),
+                     [](unsigned char c) { return std::isalnum(c) || c == '_'; });
 }
 
-static const Plugin* look_up(const std::map<std::string, Plugin, std::less<>>& plugins, std::string_view tag) {
+static const Plugin* look_up(const std::map<std::string, Plugin, std::less<>>& plugins,
+                             std::string_view tag) {
   auto it = plugins.find(tag);
   return it == plugins.end() ? nullptr : &it->second;
 }
@@ -137,12 +143,15 @@ void Registry::add(Plugin plugin) {
   if (!is_identifier(d.tag)) refuse("its tag is not a word of letters, digits and '_'");
   auto& plugins = d.family == Family::residual ? residuals_ : elements_;
   if (const Plugin* other = look_up(plugins, d.tag))
-    refuse(fmt::format("its tag is taken by a {} ({})", to_string(other->declaration.family), other->origin));
+    refuse(fmt::format("its tag is taken by a {} ({})", to_string(other->declaration.family),
+                       other->origin));
   if (d.summary.empty()) refuse("it has no summary");
   std::vector<std::string> seen{"name"};
   auto once = [&](const std::string& name, const std::string& meaning) {
-    if (!is_identifier(name)) refuse("input '" + name + "' is not a word of letters, digits and '_'");
-    if (std::find(seen.begin(), seen.end(), name) != seen.end()) refuse("'" + name + "' is declared twice");
+    if (!is_identifier(name))
+      refuse("input '" + name + "' is not a word of letters, digits and '_'");
+    if (std::find(seen.begin(), seen.end(), name) != seen.end())
+      refuse("'" + name + "' is declared twice");
     if (meaning.empty()) refuse("input '" + name + "' has no meaning");
     seen.push_back(name);
   };
@@ -150,8 +159,9 @@ void Registry::add(Plugin plugin) {
   for (const Choice& choice : d.choices) once(choice.name, choice.meaning);
   const bool whole = d.family == Family::joint    ? bool(plugin.transform)
                      : d.family == Family::sensor ? bool(plugin.value)
-                     : d.family == Family::feature ? d.kinds.size() == 1 && (plugin.observe || d.kinds[0] == Kind::nothing)
-                                                   : plugin.rows && !d.columns.empty();
+                     : d.family == Family::feature
+                         ? d.kinds.size() == 1 && (plugin.observe || d.kinds[0] == Kind::nothing)
+                         : plugin.rows && !d.columns.empty();
   if (!whole) refuse("it lacks the function that a " + to_string(d.family) + " must have");
   plugins.emplace(std::string(d.tag), std::move(plugin));
 }
@@ -190,13 +200,16 @@ void Registry::load_library(const std::string& file) {
   void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!library) throw InputError(place, "cannot be loaded as a plugin library", dlerror());
   auto version = reinterpret_cast<int (*)()>(dlsym(library, "talus_plugin_interface"));
-  auto hand_over = reinterpret_cast<void (*)(Registry*, const char*)>(dlsym(library, "talus_plugin_register"));
+  auto hand_over =
+      reinterpret_cast<void (*)(Registry*, const char*)>(dlsym(library, "talus_plugin_register"));
   if (!version || !hand_over)
     throw InputError(place, "is a shared library, but not a Talus plugin",
                      "it to be built with talus_add_plugin() and to contain TALUS_PLUGIN(...)");
   if (version() != plugin_interface_version)
-    throw InputError(place, fmt::format("was built for plugin interface {}, this is interface {}", version(),
-                                        plugin_interface_version), "it to be rebuilt against this version");
+    throw InputError(place,
+                     fmt::format("was built for plugin interface {}, this is interface {}",
+                                 version(), plugin_interface_version),
+                     "it to be rebuilt against this version");
   hand_over(this, file.c_str());
 }
 

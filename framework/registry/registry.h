@@ -26,7 +26,7 @@ class Registry {
   void add(Plugin plugin);  // InputError where the tag is taken or the declaration is unsound
   const Plugin* find(std::string_view tag) const;  // elements before residuals
   const Plugin* find(std::string_view tag, Family family) const;
-  std::vector<const Plugin*> all() const;             // by family, then by tag
+  std::vector<const Plugin*> all() const;  // by family, then by tag
   std::vector<std::string> tags(Family family) const;
 
   // Loads a plugin library (.so); InputError names the file and, where it was built for another

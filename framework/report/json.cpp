@@ -14,9 +14,14 @@ Json list(const std::vector<Measure>& measures, const UnitSystem& units) {
   Json out = Json::array();
   for (const Measure& m : measures) {
     const Unit unit = units.of(m.dimension);
-    out.push_back({{"name", m.name}, {"unit", unit.text}, {"count", m.count}, {"bias", value(m.bias / unit.factor)},
-                   {"precision", value(m.precision / unit.factor)}, {"rmse", value(m.rmse / unit.factor)},
-                   {"fsr", value(m.fsr / unit.factor)}, {"percent_fsr", value(m.percent_fsr)}});
+    out.push_back({{"name", m.name},
+                   {"unit", unit.text},
+                   {"count", m.count},
+                   {"bias", value(m.bias / unit.factor)},
+                   {"precision", value(m.precision / unit.factor)},
+                   {"rmse", value(m.rmse / unit.factor)},
+                   {"fsr", value(m.fsr / unit.factor)},
+                   {"percent_fsr", value(m.percent_fsr)}});
   }
   return out;
 }
@@ -25,10 +30,16 @@ Json list(const std::vector<FittedValue>& values, const UnitSystem& units) {
   Json out = Json::array();
   for (const FittedValue& v : values) {
     const Unit unit = units.of(v.dimension);
-    out.push_back({{"name", v.name}, {"unit", unit.text}, {"nominal", v.nominal / unit.factor}, {"value", v.value / unit.factor},
-                   {"difference", (v.value - v.nominal) / unit.factor}, {"std", value(v.std / unit.factor)},
+    out.push_back({{"name", v.name},
+                   {"unit", unit.text},
+                   {"nominal", v.nominal / unit.factor},
+                   {"value", v.value / unit.factor},
+                   {"difference", (v.value - v.nominal) / unit.factor},
+                   {"std", value(v.std / unit.factor)},
                    {"tolerance", v.tolerance ? Json(*v.tolerance / unit.factor) : Json(nullptr)},
-                   {"identifiable", v.identifiable}, {"at_bound", v.at_bound}, {"held_out", v.held_out}});
+                   {"identifiable", v.identifiable},
+                   {"at_bound", v.at_bound},
+                   {"held_out", v.held_out}});
   }
   return out;
 }
@@ -37,18 +48,44 @@ Json list(const std::vector<FittedValue>& values, const UnitSystem& units) {
 
 std::string json_report(const Program& program, const Fit& fit, const ReportContext& context) {
   const UnitSystem& units = program.units;
-  Json baseline{{"fit_rms", value(fit.fit_rms)}, {"heldout_rms", value(fit.heldout_rms)},
-                {"expected_rms", value(fit.expected_rms)}, {"chi2", value(fit.chi2)}, {"dof", value(fit.dof)}, {"chi2_dof", value(fit.chi2 / fit.dof)},
-                {"p_value", value(fit.chi2_p)}, {"noise_known", fit.noise_known}, {"noise_scale", value(fit.noise_scale)},
-                {"measures", list(fit.measures_check, units)}, {"measures_fit", list(fit.measures_fit, units)},
-                {"parameters", list(fit.parameters, units)}, {"shared", list(fit.shared, units)},
-                {"unidentifiable", fit.seen.unseen}, {"directions_seen", fit.seen.seen}, {"directions", fit.seen.singular.size()},
-                {"observability", {{"O1", value(fit.seen.o1)}, {"O2", value(fit.seen.o2)}, {"O3", value(fit.seen.o3)},
-                                   {"O4", value(fit.seen.o4)}, {"O5", value(fit.seen.o5)}}},
-                {"missing", fit.rows_missing}, {"cost", value(fit.cost)}, {"iterations", fit.iterations}, {"seconds", fit.seconds},
-                {"converged", fit.converged}, {"stopped", fit.stopped}, {"solver", fit.solver}, {"warnings", fit.warnings}};
-  const Json out{{"talus", TALUS_VERSION}, {"command", context.command}, {"model", context.model_file},
-                 {"recordings", context.recordings_file}, {"poses", {{"fit", fit.poses_fit}, {"check", fit.poses_check}, {"check_rows", fit.residuals_check.poses}}},
+  Json baseline{{"fit_rms", value(fit.fit_rms)},
+                {"heldout_rms", value(fit.heldout_rms)},
+                {"expected_rms", value(fit.expected_rms)},
+                {"chi2", value(fit.chi2)},
+                {"dof", value(fit.dof)},
+                {"chi2_dof", value(fit.chi2 / fit.dof)},
+                {"p_value", value(fit.chi2_p)},
+                {"noise_known", fit.noise_known},
+                {"noise_scale", value(fit.noise_scale)},
+                {"measures", list(fit.measures_check, units)},
+                {"measures_fit", list(fit.measures_fit, units)},
+                {"parameters", list(fit.parameters, units)},
+                {"shared", list(fit.shared, units)},
+                {"unidentifiable", fit.seen.unseen},
+                {"directions_seen", fit.seen.seen},
+                {"directions", fit.seen.singular.size()},
+                {"observability",
+                 {{"O1", value(fit.seen.o1)},
+                  {"O2", value(fit.seen.o2)},
+                  {"O3", value(fit.seen.o3)},
+                  {"O4", value(fit.seen.o4)},
+                  {"O5", value(fit.seen.o5)}}},
+                {"missing", fit.rows_missing},
+                {"cost", value(fit.cost)},
+                {"iterations", fit.iterations},
+                {"seconds", fit.seconds},
+                {"converged", fit.converged},
+                {"stopped", fit.stopped},
+                {"solver", fit.solver},
+                {"warnings", fit.warnings}};
+  const Json out{{"talus", TALUS_VERSION},
+                 {"command", context.command},
+                 {"model", context.model_file},
+                 {"recordings", context.recordings_file},
+                 {"poses",
+                  {{"fit", fit.poses_fit},
+                   {"check", fit.poses_check},
+                   {"check_rows", fit.residuals_check.poses}}},
                  {"baseline", std::move(baseline)}};
   return out.dump(1) + "\n";
 }

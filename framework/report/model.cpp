@@ -11,7 +11,9 @@ namespace {
 Element* find_owner(Element& root, const std::string& owner) {
   int number = 0;
   for (Element& child : root.children)
-    if (child.tag == "calibrate" && ++number && owner == "calibrate" + (number == 1 ? "" : std::to_string(number))) return &child;
+    if (child.tag == "calibrate" && ++number &&
+        owner == "calibrate" + (number == 1 ? "" : std::to_string(number)))
+      return &child;
   return root.find_named(owner);
 }
 
@@ -33,7 +35,8 @@ Model calibrated_model(const Model& model, const Program& program, const Fit& fi
 
 void write_file(const std::string& file, const std::string& text) {
   std::error_code error;
-  if (const auto status = std::filesystem::status(file, error); std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+  if (const auto status = std::filesystem::status(file, error);
+      std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
     std::ofstream out(file, std::ios::binary);  // a device or a pipe: nothing to rename over
     out << text;
     out.flush();

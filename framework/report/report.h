@@ -1,5 +1,6 @@
-// What a fit is told as: text for people, JSON for programs (contracts in docs/json.md), and the calibrated
-// model, which is a model file again with the tolerances shrunk to the standard uncertainties.
+// What a fit is told as: text for people, JSON for programs (contracts in docs/json.md), and the
+// calibrated model, which is a model file again with the tolerances shrunk to the standard
+// uncertainties.
 #pragma once
 
 #include <string>
@@ -16,8 +17,8 @@ struct ReportContext {
 std::string text_report(const Program& program, const Fit& fit, const ReportContext& context);
 std::string json_report(const Program& program, const Fit& fit, const ReportContext& context);
 
-// The model with fitted values and, as tolerances, their standard uncertainties. Parameters that the recordings
-// do not see keep their tolerance.
+// The model with fitted values and, as tolerances, their standard uncertainties. Parameters that
+// the recordings do not see keep their tolerance.
 Model calibrated_model(const Model& model, const Program& program, const Fit& fit);
 
 // Writes beside, then renames: a file is there whole or not at all.

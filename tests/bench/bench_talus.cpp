@@ -1,4 +1,5 @@
-// Talus's own rows: the shipped linkage model, compiled once, on the same poses and weights as the peers.
+// Talus's own rows: the shipped linkage model, compiled once, on the same poses and weights as the
+// peers.
 #include <chrono>
 #include <cmath>
 #include <numeric>
@@ -10,8 +11,8 @@
 namespace talus::bench {
 namespace {
 
-// The shipped model with the papers' residuals and weights; `joint` is the joint's tag. Tolerances are
-// left out of the cost (ProblemOptions::priors), as the peers have none.
+// The shipped model with the papers' residuals and weights; `joint` is the joint's tag. Tolerances
+// are left out of the cost (ProblemOptions::priors), as the peers have none.
 Program isl_program(const std::string& joint = "dh") {
   Registry registry = Registry::built_in();
   if (joint != "dh") load_plugin(TALUS_BENCH_DIR "/dh_in_lua.lua", registry);
@@ -42,13 +43,16 @@ Recordings recordings_of(const IslPoses& poses) {
     for (const IslPose& p : poses) c.values.push_back(value(p));
     r.columns.push_back(std::move(c));
   };
-  for (int i = 0; i < 6; ++i) column("theta" + std::to_string(i + 1), "rad", [i](const IslPose& p) { return p.readings[i]; });
-  for (int i = 0; i < 3; ++i) column(std::string("E.") + "xyz"[i], "mm", [i](const IslPose& p) { return p.position[i]; });
+  for (int i = 0; i < 6; ++i)
+    column("theta" + std::to_string(i + 1), "rad", [i](const IslPose& p) { return p.readings[i]; });
+  for (int i = 0; i < 3; ++i)
+    column(std::string("E.") + "xyz"[i], "mm", [i](const IslPose& p) { return p.position[i]; });
   for (int i = 0; i < 4; ++i)
     column(std::string("E.q") + "wxyz"[i], "1", [i](const IslPose& p) {
       // Shepperd's method, largest component first.
       const auto& R = p.rotation;
-      const double t[4] = {R[0] + R[4] + R[8], R[0] - R[4] - R[8], R[4] - R[0] - R[8], R[8] - R[0] - R[4]};
+      const double t[4] = {R[0] + R[4] + R[8], R[0] - R[4] - R[8], R[4] - R[0] - R[8],
+                           R[8] - R[0] - R[4]};
       int k = 0;
       for (int j = 1; j < 4; ++j) k = t[j] > t[k] ? j : k;
       const double s = 2 * std::sqrt(1 + t[k]);
@@ -91,7 +95,9 @@ Calibration calibrate_with(const Program& p, const IslPoses& poses) {
   return result;
 }
 
-Calibration calibrate_talus(const IslPoses& poses, const IslFactors&) { return calibrate_with(program(), poses); }
+Calibration calibrate_talus(const IslPoses& poses, const IslFactors&) {
+  return calibrate_with(program(), poses);
+}
 
 Calibration calibrate_lua(const IslPoses& poses, const IslFactors&) {
   static const Program p = isl_program("dh_in_lua");
@@ -124,7 +130,8 @@ void jacobian(benchmark::State& state, const Program& p) {
     }
   }
   state.counters["per_pose"] = benchmark::Counter(
-      static_cast<double>(poses.size()), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+      static_cast<double>(poses.size()),
+      benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 void jacobian_talus(benchmark::State& state) { jacobian(state, program()); }
 void jacobian_lua(benchmark::State& state) {
@@ -140,10 +147,12 @@ void normal_talus(benchmark::State& state) {
   const Recordings recordings = recordings_of(poses);
   ProblemOptions options;
   options.priors = false;
-  Problem problem(program(), recordings, all_rows(recordings), Groups(program(), recordings), options);
+  Problem problem(program(), recordings, all_rows(recordings), Groups(program(), recordings),
+                  options);
   for (auto _ : state) benchmark::DoNotOptimize(problem.normal(problem.start()).cost);
   state.counters["per_pose"] = benchmark::Counter(
-      static_cast<double>(poses.size()), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+      static_cast<double>(poses.size()),
+      benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 BENCHMARK(normal_talus)->Name("gram/talus")->Arg(1000)->Apply(least);
 

@@ -94,7 +94,8 @@ TEST_CASE("rows with equal ids stay together") {
   CHECK(*std::max_element(by_both.group.begin(), by_both.group.end()) == 45);
   CHECK(by_both.group[0] != by_both.group[23]);
   CHECK(by_both.group[0] == by_both.group[46]);
-  const Split by_either = split_rows(r, {.group_columns = {{"star"}, {"night"}}});  // stars link the nights
+  const Split by_either =
+      split_rows(r, {.group_columns = {{"star"}, {"night"}}});  // stars link the nights
   CHECK(*std::max_element(by_either.group.begin(), by_either.group.end()) == 0);
   CHECK_THROWS_WITH_AS(
       split_rows(r, {.group_columns = {{"stars"}}}),
