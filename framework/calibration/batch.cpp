@@ -196,8 +196,9 @@ RowTransform Problem::Inside::transform(Bench& bench, int b, bool on) {
     plan.jacobian(bench.workspace, kLatent, whitening(b), bench.columns.data(),
                   static_cast<std::size_t>(m) * lanes);
   const double* w = &weights[b * weight_block()];
-  Eigen::MatrixXd A(m, m);
-  Eigen::VectorXd r(m);
+  Eigen::MatrixXd& A = bench.A;
+  Eigen::VectorXd &r = bench.r, &u = bench.u;
+  Eigen::RowVectorXd& product = bench.product;
   for (int l = 0; l < lanes; ++l) {
     A.setZero();
     for (int i = 0; i < m; ++i) {
@@ -208,7 +209,6 @@ RowTransform Problem::Inside::transform(Bench& bench, int b, bool on) {
         A(i, i) = w[i * lanes + l];
     }
     // Latent unknowns: those with a prior count as noise, those without are projected out.
-    Eigen::VectorXd u(m);
     for (int pass = 0; pass < 2; ++pass)
       for (int i = 0; i < n; ++i) {
         if (bool(latent_prior[i].tolerance) != (pass == 0)) continue;
@@ -219,8 +219,9 @@ RowTransform Problem::Inside::transform(Bench& bench, int b, bool on) {
           const double t2 = std::pow(latent_tolerance(i), 2);
           r -= u * (bench.state[i * lanes + l] - latent_prior[i].value);
           const double uu = u.squaredNorm(), c = uu > 0 ? (1 - 1 / std::sqrt(1 + t2 * uu)) / uu : 0;
-          const Eigen::RowVectorXd uA = u.transpose() * A;
-          A -= c * u * uA;
+          product.noalias() = u.transpose() * A;
+          product *= c;
+          A.noalias() -= u * product;
           r -= c * u * u.dot(r);
           for (int j = i + 1; j < n; ++j) {
             double* column = &bench.columns[static_cast<std::size_t>(j) * m * lanes + l];
@@ -244,16 +245,17 @@ RowTransform Problem::Inside::transform(Bench& bench, int b, bool on) {
             u.setZero();
           for (int q = 0; q < m; ++q)
             bench.columns[(static_cast<std::size_t>(i) * m + q) * lanes + l] = u[q];
-          const Eigen::RowVectorXd uA = u.transpose() * A;
-          A -= u * uA;
+          product.noalias() = u.transpose() * A;
+          A.noalias() -= u * product;
           r -= u * u.dot(r);
         }
       }
     const double s = r.squaredNorm(), root = std::sqrt(bench.rho1[l]),
                  alpha = s > 0 ? bench.alpha[l] : 0;
     if (alpha != 0) {
-      const Eigen::RowVectorXd rA = r.transpose() * A;
-      A -= (alpha / s) * r * rA;
+      product.noalias() = r.transpose() * A;
+      product *= alpha / s;
+      A.noalias() -= r * product;
     }
     for (int i = 0; i < m; ++i) {
       bench.whitened[i * lanes + l] = root / (1 - alpha) * r[i];

@@ -115,6 +115,7 @@ Problem::Inside::Inside(const Program& p, Plan the_plan, const Recordings& recor
   for (int t = 0; t < std::max(1, options.threads); ++t) {
     Bench& bench = benches.emplace_back();
     bench.workspace = plan.workspace();
+    bench.A.resize(m, m), bench.r.resize(m), bench.u.resize(m), bench.product.resize(m);
     bench.state.resize(std::max<std::size_t>(1, plan.state().size()) * lanes);
     bench.whitened.resize(static_cast<std::size_t>(m) * lanes);
     bench.transform.resize(static_cast<std::size_t>(m) * m * lanes);

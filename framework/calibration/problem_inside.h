@@ -16,6 +16,9 @@ struct Bench {
   Buffer transform;  // [row][row][lane]
   Buffer columns;    // of latent unknowns or readings: [column][row][lane]
   Buffer panel;      // [column][batches of the panel][row][lane]
+  Eigen::MatrixXd A;  // of one lane: the row transform, the rows, a column, a product
+  Eigen::VectorXd r, u;
+  Eigen::RowVectorXd product;
   double rho[lanes], rho1[lanes], alpha[lanes], squares[lanes];
 };
 
