@@ -1,0 +1,58 @@
+// Where every frame and every joint axis of a linkage is, pose after pose: what pictures, tables of
+// motion and conversions between descriptions need. T_A_B maps coordinates given in B to A.
+//
+//     Posture posture(program);
+//     posture.set(coordinates);                     // readings, then unknowns
+//     Eigen::Isometry3d T_B_E = posture.between(program.frame("B", {}), program.frame("E", {}));
+#pragma once
+
+#include <Eigen/Geometry>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "framework/kinematics/program.h"
+#include "framework/kinematics/tape_values.h"
+
+namespace talus {
+
+// The line about or along which a joint moves with one coordinate, in the root frame, at the
+// posture that was set; in the sense of a growing reading or unknown. A screw's line is its axis.
+struct JointAxis {
+  int frame = -1;                    // the frame behind the joint
+  std::string joint;                 // its name
+  bool turns = true;                 // rotates about the line; otherwise slides along it
+  Eigen::Vector3d point, direction;  // of the line: mm, unit vector
+};
+
+class Posture {
+ public:
+  // Not to be called at the same time on one program: it records on the program's tape.
+  explicit Posture(const Program& program);
+
+  // Readings, then unknowns, in the program's order (rad, mm). Parameters are at `parameters`, or
+  // at their nominal values.
+  void set(std::span<const double> coordinates, std::span<const double> parameters = {});
+
+  const Eigen::Isometry3d& frame(int index) const { return frames_[index]; }  // T_root_frame
+  Eigen::Isometry3d between(int in, int at) const {                           // T_in_at
+    return frames_[in].inverse() * frames_[at];
+  }
+  // One per joint and coordinate that moves it, in the order of the frames.
+  const std::vector<JointAxis>& axes() const { return axes_; }
+
+ private:
+  const Program* program_;
+  TapeValues values_;
+  std::vector<double> slots_;
+  std::vector<Eigen::Isometry3d> frames_;
+  std::vector<JointAxis> axes_;
+};
+
+// Distance (mm) and angle (rad, 0 to pi) between two lines.
+struct Apart {
+  double distance = 0, angle = 0;
+};
+Apart apart(const JointAxis& a, const JointAxis& b);
+
+}  // namespace talus
