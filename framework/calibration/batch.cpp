@@ -136,30 +136,68 @@ void Problem::Inside::solve_latent(Bench& bench, int b) {
               sizeof(double) * n * lanes);
 }
 
-// L^-1 with L L^T = diag(sigma^2) + J_q diag(sigma_q^2) J_q^T, J_q the rows' derivatives by the
-// readings.
-void Problem::Inside::combined_covariance(Bench& bench, int b) {
-  const int m = rows(), nq = static_cast<int>(noisy_slots.size());
+// L^-1 with L L^T = diag(sigma^2) + J_q diag(sigma_q^2) J_q^T + J_c C J_c^T: J_q the rows'
+// derivatives by the readings, J_c those by columns worked out from points, whose covariance at
+// this pose is C. A row whose variance is nothing but a combination of those above it (the third
+// angle of a direction) is left out and counted.
+void Problem::Inside::combined_covariance(Bench& bench, int b, std::size_t& dependent) {
+  const int m = rows(), nq = static_cast<int>(noisy_slots.size()),
+            nc = static_cast<int>(noisy_columns.size()), nr = nq - nc;
   plan.jacobian(bench.workspace, kReadings, {}, bench.columns.data(),
                 static_cast<std::size_t>(m) * lanes);
   double* out = &weights[b * weight_block()];
   const double* mask = data.mask(b);
-  Eigen::MatrixXd S(m, m);
+  Eigen::MatrixXd S(m, m), C(nc, nc), J(m, nc), inverse(m, m);
   for (int l = 0; l < lanes; ++l) {
+    auto by = [&](int q, int row) {
+      return bench.columns[(static_cast<std::size_t>(q) * m + row) * lanes + l];
+    };
+    auto used = [&](int row) { return mask[row * lanes + l] != 0; };
     for (int i = 0; i < m; ++i)
       for (int j = 0; j <= i; ++j) {
-        const bool both = mask[i * lanes + l] != 0 && mask[j * lanes + l] != 0;
-        double sum = i == j ? (both ? 1 / (row_factor[i] * row_factor[i]) : 1) : 0;
-        for (int q = 0; both && q < nq; ++q)
-          sum += bench.columns[(static_cast<std::size_t>(q) * m + i) * lanes + l] *
-                 noise_variance[q] *
-                 bench.columns[(static_cast<std::size_t>(q) * m + j) * lanes + l];
+        const double own = by_points[i] ? 0 : 1 / (row_factor[i] * row_factor[i]);
+        double sum = i == j ? (used(i) ? own : 1) : 0;
+        if (used(i) && used(j))
+          for (int q = 0; q < nr; ++q) sum += by(q, i) * noise_variance[q] * by(q, j);
         S(i, j) = S(j, i) = sum;
       }
-    const Eigen::MatrixXd inverse = S.llt().matrixL().solve(Eigen::MatrixXd::Identity(m, m));
+    if (nc > 0 && l < data.batch(b).count) {
+      const auto& table = measured_noise->covariance[data.batch(b).poses[l]];
+      const auto n = measured_noise->columns.size();
+      for (int i = 0; i < nc; ++i)
+        for (int j = 0; j < nc; ++j) C(i, j) = table[noisy_columns[i] * n + noisy_columns[j]];
+      for (int i = 0; i < m; ++i)
+        for (int j = 0; j < nc; ++j) J(i, j) = used(i) ? by(nr + j, i) : 0;
+      S.noalias() += J * C * J.transpose();
+    }
+    // Forward: row i of L and of its inverse.
+    inverse.setZero();
+    Eigen::MatrixXd& L = S;
+    for (int i = 0; i < m; ++i) {
+      const double variance = S(i, i);
+      for (int j = 0; j < i; ++j) {
+        double sum = S(i, j);
+        for (int k = 0; k < j; ++k) sum -= L(i, k) * L(j, k);
+        L(i, j) = L(j, j) > 0 ? sum / L(j, j) : 0;
+      }
+      double left = variance;
+      for (int k = 0; k < i; ++k) left -= L(i, k) * L(i, k);
+      if (!(left > 1e-9 * variance)) {
+        L(i, i) = 0;
+        if (used(i) && l < data.batch(b).count) ++dependent;
+        continue;
+      }
+      L(i, i) = std::sqrt(left);
+      inverse(i, i) = 1 / L(i, i);
+      for (int j = 0; j < i; ++j) {
+        double sum = 0;
+        for (int k = j; k < i; ++k) sum -= L(i, k) * inverse(k, j);
+        inverse(i, j) = sum / L(i, i);
+      }
+    }
     for (int i = 0; i < m; ++i)
       for (int j = 0; j < m; ++j)
-        out[(i * m + j) * lanes + l] = j <= i && mask[i * lanes + l] != 0 ? inverse(i, j) : 0;
+        out[(i * m + j) * lanes + l] = j <= i && used(i) ? inverse(i, j) : 0;
   }
 }
 

@@ -19,14 +19,14 @@ double chi2_tail(double chi2, double dof) {
   return 0.5 * std::erfc((std::cbrt(chi2 / dof) - (1 - v)) / std::sqrt(2 * v));
 }
 
-double rms(const Eigen::MatrixXd& whitened, const Eigen::MatrixXd& raw) {
+double rms(const Eigen::MatrixXd& whitened, const Eigen::MatrixXd& raw, const Problem& problem) {
   double sum = 0;
-  std::size_t count = 0;
+  std::size_t count = 0, dependent = problem.dependent_rows();
   for (Eigen::Index k = 0; k < raw.rows(); ++k)
     for (Eigen::Index r = 0; r < raw.cols(); ++r)
       if (!std::isnan(raw(k, r))) sum += whitened(k, r) * whitened(k, r), ++count;
-  return count ? std::sqrt(sum / static_cast<double>(count))
-               : std::numeric_limits<double>::quiet_NaN();
+  return count > dependent ? std::sqrt(sum / static_cast<double>(count - dependent))
+                           : std::numeric_limits<double>::quiet_NaN();
 }
 
 // Least squares first, then the settings' loss or objective; the whitening is brought up to date in
@@ -233,7 +233,7 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
   fit.noise_known = problem.noise_known();
   fit.residuals_fit = problem.residuals(x);
   fit.measures_fit = measures(program, fit.residuals_fit.raw, fsr);
-  fit.fit_rms = rms(fit.residuals_fit.whitened, fit.residuals_fit.raw);
+  fit.fit_rms = rms(fit.residuals_fit.whitened, fit.residuals_fit.raw, problem);
   fit.chi2 = fit.residuals_fit.whitened.squaredNorm();
   fit.rows_missing = problem.data().missing();
 
@@ -241,7 +241,8 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
   const double noise =
       problem.noise_known() ? 1 : std::sqrt(std::max(problem.noise_variance(), 1e-300));
   fit.seen = identify(problem, x, noise, program.units);
-  const double rows = static_cast<double>(fit.rows_fit), latent = problem.latent_freedom(x);
+  const double rows = static_cast<double>(fit.rows_fit - problem.dependent_rows()),
+               latent = problem.latent_freedom(x);
   fit.expected_rms = std::sqrt(std::max(0.0, 1 - latent / rows));
   fit.dof = rows - latent - fit.seen.effective;
   if (fit.dof < 0.5) {
@@ -285,7 +286,7 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
     fit.rows_missing += check.data().missing();
     fit.residuals_check = check.residuals(y);
     fit.measures_check = measures(program, fit.residuals_check.raw, fsr);
-    fit.heldout_rms = rms(fit.residuals_check.whitened, fit.residuals_check.raw) /
+    fit.heldout_rms = rms(fit.residuals_check.whitened, fit.residuals_check.raw, check) /
                       (fit.noise_known ? 1 : fit.noise_scale);
     for (std::size_t i = 0; i < y.size(); ++i) x[p + i] = y[i];
     fit.x = x;

@@ -34,11 +34,15 @@ std::vector<int> unknown_slots(const Program& program, const Indices& indices) {
   return slots;
 }
 
+// Data whose noise is carried through the chain: readings with a sigma, then what is probed.
 std::vector<int> noisy(const Program& program, const ProblemOptions& options) {
   std::vector<int> slots;
-  if (options.propagate && !program.settings.weighted)
-    for (const Reading& r : program.readings)
-      if (r.sigma > 0) slots.push_back(r.slot);
+  if (!options.propagate || program.settings.weighted) return slots;
+  for (const Reading& r : program.readings)
+    if (r.sigma > 0) slots.push_back(r.slot);
+  for (const Feature& f : program.features)
+    if (f.probed)
+      for (int c : f.columns) slots.push_back(program.columns[c].slot);
   return slots;
 }
 
@@ -70,9 +74,23 @@ Problem::Inside::Inside(const Program& p, Plan the_plan, const Recordings& recor
       data(p, plan, recordings, rows, g) {
   if (latent_slots.size() > 8) throw InputError("more than 8 unknowns per pose");
   if (p.rows.empty()) throw InputError("the model has no residual: it measures nothing");
-  for (int slot : noisy_slots)
+  measured_noise = recordings.noise.columns.empty() ? nullptr : &recordings.noise;
+  by_points.assign(p.rows.size(), false);
+  for (int slot : noisy_slots) {
     for (const Reading& r : p.readings)
       if (r.slot == slot) noise_variance.push_back(r.sigma * r.sigma);
+    for (const MeasuredColumn& c : p.columns) {
+      if (c.slot != slot || !measured_noise) continue;
+      const auto& known = measured_noise->columns;
+      const auto at = std::find(known.begin(), known.end(), c.name);
+      if (at != known.end()) noisy_columns.push_back(static_cast<int>(at - known.begin()));
+    }
+  }
+  if (noise_variance.size() + noisy_columns.size() < noisy_slots.size())
+    noisy_slots.resize(noise_variance.size());  // probed features, but given as columns
+  for (std::size_t r = 0; r < p.rows.size(); ++r)
+    by_points[r] =
+        !noisy_columns.empty() && !p.rows[r].sigma && p.features[p.rows[r].feature].probed;
   for (const Parameter& parameter : p.parameters) held.push_back(parameter.nominal.value);
   if (!o.only_unknowns)
     for (const Parameter& parameter : p.parameters) {
@@ -109,8 +127,8 @@ Problem::Inside::Inside(const Program& p, Plan the_plan, const Recordings& recor
                                              : 1 / unit);
   }
   dense = !noisy_slots.empty();
-  const int m = plan.rows(),
-            widest = std::max({1, static_cast<int>(nl), static_cast<int>(noisy_slots.size())});
+  const int m = plan.rows(), widest = std::max({1, static_cast<int>(nl),
+                                                static_cast<int>(plan.columns(kReadings).size())});
   const int batches_per_panel = std::max(1, 384 / (m * lanes));
   for (int t = 0; t < std::max(1, options.threads); ++t) {
     Bench& bench = benches.emplace_back();
@@ -245,9 +263,10 @@ int Problem::latents() const { return static_cast<int>(in_->latent_slots.size())
 void Problem::hold(const std::vector<double>& parameters) { in_->held = parameters; }
 
 bool Problem::noise_known() const {
-  return !in_->program.settings.weighted &&
-         std::all_of(in_->program.rows.begin(), in_->program.rows.end(),
-                     [](const Row& r) { return r.sigma.has_value(); });
+  const std::vector<Row>& rows = in_->program.rows;
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (!rows[r].sigma && !in_->by_points[r]) return false;
+  return !in_->program.settings.weighted;
 }
 
 std::vector<std::string> Problem::names() const {
@@ -273,11 +292,15 @@ void Problem::divide_rows_by(const std::vector<double>& scale) {
 
 void Problem::set_weights(std::span<const double> x) {
   if (!in_->dense) return;
-  in_->each_batch(x, [&](Bench& bench, int, int b) {
+  std::vector<std::size_t> dependent(in_->chunks(), 0);
+  in_->each_batch(x, [&](Bench& bench, int chunk, int b) {
     in_->plan.evaluate(bench.workspace, in_->data.data(b), bench.state.data());
-    in_->combined_covariance(bench, b);
+    in_->combined_covariance(bench, b, dependent[chunk]);
   });
+  in_->dependent_rows = std::accumulate(dependent.begin(), dependent.end(), std::size_t{0});
 }
+
+std::size_t Problem::dependent_rows() const { return in_->dependent_rows; }
 
 double Problem::cost(std::span<const double> x) {
   std::vector<double> sums(in_->chunks(), 0.0);

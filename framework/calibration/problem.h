@@ -78,6 +78,8 @@ class Problem {
   // Recomputes the whitening at x (it depends on the parameters through the readings' noise).
   void set_weights(std::span<const double> x);
   bool whitening_depends_on_parameters() const;
+  // Rows whose noise follows from that of others of their pose, so that they tell nothing new.
+  std::size_t dependent_rows() const;
   void divide_rows_by(
       const std::vector<double>& scale);  // full-scale ranges; before anything is solved
 

@@ -11,11 +11,11 @@ namespace talus {
 // What one thread works with.
 struct Bench {
   Buffer workspace;
-  Buffer state;      // [state slot][lane]
-  Buffer whitened;   // [row][lane]
-  Buffer transform;  // [row][row][lane]
-  Buffer columns;    // of latent unknowns or readings: [column][row][lane]
-  Buffer panel;      // [column][batches of the panel][row][lane]
+  Buffer state;       // [state slot][lane]
+  Buffer whitened;    // [row][lane]
+  Buffer transform;   // [row][row][lane]
+  Buffer columns;     // of latent unknowns or readings: [column][row][lane]
+  Buffer panel;       // [column][batches of the panel][row][lane]
   Eigen::MatrixXd A;  // of one lane: the row transform, the rows, a column, a product
   Eigen::VectorXd r, u;
   Eigen::RowVectorXd product;
@@ -30,7 +30,11 @@ struct Problem::Inside {
   ProblemOptions options;
   Groups groups;
   std::vector<int> latent_slots, shared_slots, noisy_slots;
-  std::vector<double> noise_variance;  // of noisy_slots
+  std::vector<double> noise_variance;   // of noisy_slots: the readings', then ones of the columns
+  std::vector<int> noisy_columns;       // of those among the columns that were worked out from
+                                        // points: where each stands in Recordings::noise
+  const MeasuredNoise* measured_noise;  // null: none
+  std::vector<bool> by_points;          // rows whose noise is that of such columns alone
   Plan plan;
   Dataset data;
   std::vector<double> start;
@@ -41,6 +45,7 @@ struct Problem::Inside {
   std::vector<Quantity> latent_prior;
   std::vector<Dimension> latent_dimensions;
   bool robust = true, qr = false, dense = false;
+  std::size_t dependent_rows = 0;  // that follow from others of their pose and tell nothing new
   double noise_variance_of_rows = 1;
   Buffer weights;  // per batch: [row][lane], or [row][row][lane] where dense
   Buffer latent;   // per batch: [latent][lane], the last solution
@@ -72,7 +77,7 @@ struct Problem::Inside {
   void evaluate(Bench& bench, int b);  // rows, whitened rows, squares; latent unknowns solved
   void whiten(Bench& bench, int b);
   void solve_latent(Bench& bench, int b);
-  void combined_covariance(Bench& bench, int b);
+  void combined_covariance(Bench& bench, int b, std::size_t& dependent);
   void losses(Bench& bench, int b, bool robust);  // rho, rho', alpha of the squares
   RowTransform transform(Bench& bench, int b,
                          bool robust);  // whitening, projection, robust correction

@@ -15,7 +15,7 @@ namespace {
 
 struct Options {
   Common common;
-  std::string model, recordings, sweep;
+  std::string model, recordings, points, sweep;
   double check = 0.3;
   std::vector<std::string> groups;
   int folds = 0;
@@ -123,7 +123,8 @@ void run(Options& o) {
   check_writable(o.common.json);
   Registry registry = o.common.registry();
   Model model = open_model(o.model, registry, o.common);
-  const Recordings recordings = read_recordings(o.recordings);
+  const Measured measured = open_recordings(compile(model, registry), o.recordings, o.points);
+  const Recordings& recordings = measured.recordings;
   o.fit.threads = o.common.thread_count();
   o.fit.seed = o.common.seed;
   o.fit.solver = o.solver == "gram" ? FitOptions::Solver::gram
@@ -133,8 +134,9 @@ void run(Options& o) {
   if (!o.sweep.empty()) sweep_table = sweep(model, registry, recordings, o);
   const Program program = compile(model, registry);
   const Split split = split_rows(recordings, split_options(program, recordings, o));
-  const Fit fit = calibrate(program, recordings, split, o.fit);
-  const ReportContext context{"calibrate", o.model, o.recordings};
+  Fit fit = calibrate(program, recordings, split, o.fit);
+  fit.warnings.insert(fit.warnings.begin(), measured.warnings.begin(), measured.warnings.end());
+  const ReportContext context{"calibrate", o.model, o.recordings, &measured};
   std::string text = text_report(program, fit, context) + sweep_table;
   if (o.folds > 1) text += fold_table(program, recordings, split, o);
 
@@ -188,6 +190,7 @@ void add_calibrate(CLI::App& app) {
   command->add_option("--solver", o->solver, "auto, gram (normal equations) or qr")
       ->check(CLI::IsMember({"auto", "gram", "qr"}))
       ->capture_default_str();
+  add_points(*command, o->points);
   add_common(*command, o->common, true, true);
   command->callback([o] { run(*o); });
 }

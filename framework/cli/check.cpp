@@ -4,6 +4,7 @@
 
 #include "framework/calibration/fit.h"
 #include "framework/cli/commands.h"
+#include "framework/report/report.h"
 
 namespace talus {
 namespace {
@@ -45,12 +46,15 @@ std::string chain_text(const Program& program) {
   return out;
 }
 
-void run(const std::string& model_file, const std::string& recordings_file, const Common& common) {
+void run(const std::string& model_file, const std::string& recordings_file,
+         const std::string& points_file, const Common& common) {
   Registry registry = common.registry();
   const Program program = compile(open_model(model_file, registry, common), registry);
   fmt::print("{}\n{}", program.name, chain_text(program));
   if (recordings_file.empty()) return;
-  const Recordings recordings = read_recordings(recordings_file);
+  const Measured measured = open_recordings(program, recordings_file, points_file);
+  const Recordings& recordings = measured.recordings;
+  fmt::print("{}", probing_text(program, measured));
   std::vector<std::size_t> rows(recordings.rows());
   for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = k;
   Problem problem(program, recordings, rows, Groups(program, recordings), {});
@@ -71,7 +75,9 @@ void add_check(CLI::App& app) {
   command->add_option("model", files->first, "model file (.xml or .lua)")->required();
   command->add_option("recordings", files->second, "recordings (.csv or .trc)");
   add_common(*command, *common, true, false);
-  command->callback([=] { run(files->first, files->second, *common); });
+  auto points = std::make_shared<std::string>();
+  add_points(*command, *points);
+  command->callback([=] { run(files->first, files->second, *points, *common); });
 }
 
 }  // namespace talus

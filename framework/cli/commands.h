@@ -7,6 +7,7 @@
 
 #include "framework/dsl/dsl.h"
 #include "framework/kinematics/program.h"
+#include "framework/metrology/measure.h"
 
 namespace talus {
 
@@ -24,6 +25,12 @@ struct Common {
 // --plugin, --quiet; with `results` also --out, --json, --seed, --threads; with `model` also --set.
 void add_common(CLI::App& command, Common& common, bool model, bool results);
 
+// Recordings, with what is probed worked out from its points: those of `points_file`, else of
+// points.csv beside the recordings.
+Measured open_recordings(const Program& program, const std::string& file,
+                         const std::string& points_file);
+void add_points(CLI::App& command, std::string& points_file);  // --points
+
 // Reads a model and applies --set NAME=VALUE (element.attribute=..., or an attribute of
 // <calibrate>).
 Model open_model(const std::string& file, Registry& registry, const Common& common);
@@ -33,6 +40,7 @@ Model open_model(const std::string& file, Registry& registry, const Common& comm
 void check_writable(const std::string& file);
 void put(const std::string& file, const std::string& text);
 
+void add_measure(CLI::App& app);
 void add_check(CLI::App& app);
 void add_calibrate(CLI::App& app);
 void add_simulate(CLI::App& app);

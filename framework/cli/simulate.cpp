@@ -10,12 +10,13 @@ namespace {
 
 struct Options {
   Common common;
-  std::string model, poses = "65", grid, file = "-";
+  std::string model, poses = "65", grid, file = "-", points;
   double noise = 1;
 };
 
 void run(const Options& o) {
   check_writable(o.file);
+  check_writable(o.points);
   Registry registry = o.common.registry();
   Program program = compile(open_model(o.model, registry, o.common), registry);
   Settings settings;
@@ -29,12 +30,25 @@ void run(const Options& o) {
   } else {
     settings = settings_from(program, read_recordings(o.poses), o.common.thread_count());
   }
-  const Recordings recordings =
+  Recordings recordings =
       simulate(program, settings, {o.common.seed, o.noise, o.common.thread_count()});
-  put(o.file,
+  const std::string origin =
       fmt::format("# simulated from {} by talus {}, seed {}, noise {:g} times the stated sigmas\n",
-                  o.model, TALUS_VERSION, o.common.seed, o.noise) +
-          write_recordings(recordings));
+                  o.model, TALUS_VERSION, o.common.seed, o.noise);
+  if (!o.points.empty()) {  // the probed features are in the points, not in the recordings
+    if (!is_probed(program))
+      throw InputError({o.model, 0, 0}, "--points: nothing in this model is probed",
+                       "a feature with probed=\"...\"");
+    for (const Feature& f : program.features)
+      for (int c : f.columns)
+        if (f.probed)
+          std::erase_if(recordings.columns, [&](const RecordedColumn& column) {
+            return column.name == program.columns[c].name;
+          });
+    put(o.points,
+        origin + write_points(simulate_points(program, settings.poses, o.common.seed, o.noise)));
+  }
+  put(o.file, origin + write_recordings(recordings));
 }
 
 }  // namespace
@@ -56,6 +70,8 @@ void add_simulate(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--recordings", o->file, "file to write (- for standard output)")
       ->capture_default_str();
+  command->add_option("--points", o->points, "file to write the points of probed features to")
+      ->type_name("FILE");
   add_common(*command, o->common, true, false);
   command->add_option("--seed", o->common.seed, "seed of all random choices")
       ->capture_default_str();

@@ -68,6 +68,16 @@ const std::vector<ElementRule>& structural() {
        {{"name", "how reports call it"},
         {"at", "the frame that carries it", required},
         {"column", "column of the recordings, in kg"}}},
+      {"datum",
+       "A frame made of probed shapes, as a coordinate measuring machine constructs it.",
+       Where::inside_talus,
+       {{"name", "how features call it", required},
+        {"origin", "the shapes it lies on: a circle or sphere (its centre), or axis, plane",
+         required},
+        {"primary", "an axis and the shape whose axis it is: y=face, or y=-face", required},
+        {"secondary", "an axis and the shape whose axis it comes as near as it can: x=side"},
+        {"check", "an axis and a shape that should follow it: is the whole square?"},
+        {"square", "how far from square the shapes' axes may be: 0.2 deg"}}},
       {"calibrate",
        "Which residuals of which measured features are made small, and how.",
        Where::inside_talus,
@@ -102,6 +112,7 @@ ElementRule rule_of(const Declaration& d) {
   if (d.family == Family::joint) rule.where = Where::inside_chain;
   const char* name = d.family == Family::joint    ? "its name and that of the frame behind it"
                      : d.family == Family::sensor ? "how expressions call its calibrated value"
+                     : d.family == Family::shape  ? "how the points' table and datums call it"
                                                   : "how its results and residuals are called";
   rule.attributes = {{"name", name, required}};
   for (const Input& input : d.inputs) append(rule.attributes, {rule_of(input)});
@@ -121,7 +132,16 @@ ElementRule rule_of(const Declaration& d) {
            {{"in", "frame in which it is measured"},
             {"at", "frame to which it belongs; default the feature's name"},
             {"columns", "prefix of its columns; default the feature's name"},
-            {"sigma", "standard deviations of the measurement: 0.005 mm, 0.002 deg"}});
+            {"sigma", "standard deviations of the measurement: 0.005 mm, 0.002 deg"},
+            {"probed", "what is probed for it instead of columns: E_datum in B_datum"}});
+  if (d.family == Family::shape)
+    append(rule.attributes,
+           {{"on", "a plane on which the points are projected first"},
+            {"through", "shapes whose centres are its points, instead of probed points"},
+            {"radius", "its radius, where that is known"},
+            {"sigma", "standard deviation of a probed point; default: from the fits themselves"},
+            {"at", "the frame on which it lies, for simulation"},
+            {"probe", "where it is probed, in that frame: x, y, z; x, y, z"}});
   return rule;
 }
 
@@ -156,7 +176,7 @@ std::vector<std::string> ElementRule::names() const {
 std::optional<ElementRule> rule_of(std::string_view tag, const Registry& registry) {
   for (const ElementRule& rule : structural())
     if (rule.tag == tag) return whole(rule, registry);
-  for (Family family : {Family::joint, Family::sensor, Family::feature})
+  for (Family family : {Family::joint, Family::sensor, Family::feature, Family::shape})
     if (const Plugin* plugin = registry.find(tag, family)) return rule_of(plugin->declaration);
   return {};
 }

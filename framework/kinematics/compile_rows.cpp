@@ -64,6 +64,7 @@ void Compiler::feature(const Element& element) {
   }
   if (plugin.observe) f.observed = plugin.observe(leaves, choices(element, d));
   f.observed.kind = f.kind;
+  f.probed = probed(element, f.kind);
   if (const Attribute* sigma = element.find("sigma")) {
     std::vector<Dimension> expected{length, angle};
     if (f.kind == Kind::direction) expected = {angle};
@@ -300,6 +301,10 @@ Program Compiler::run() {
     else if (e.tag == "constant")
       resolve(e.name(), e.place);
   }
+  for (const Element& e : model_.root.children)
+    if (registry_.find(e.tag, Family::shape)) shape(e);
+  for (const Element& e : model_.root.children)
+    if (e.tag == "datum") datum(e);
   for (const Element& e : model_.root.children)
     if (registry_.find(e.tag, Family::feature)) feature(e);
   bool any = false;

@@ -37,6 +37,12 @@ class Compiler {
   // frames (compile_frames.cpp)
   void frames();
 
+  // shapes, datums and what is probed by them (compile_probing.cpp)
+  void shape(const Element& element);
+  void datum(const Element& element);
+  Probed probed(const Element& element, Kind kind) const;
+  int find_shape(const Attribute& word) const;
+
   // features and residual rows (compile_rows.cpp)
   void feature(const Element& element);
   void calibrate(const Element& element);

@@ -7,6 +7,7 @@
 // which joint it was.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -77,6 +78,41 @@ struct Chain {
   std::array<std::string, 2> key() const { return {in, at}; }
 };
 
+// A shape probed by a coordinate measuring machine, and how its points make it (see
+// framework/metrology).
+struct Shape {
+  std::string name, tag;
+  Declaration declaration;
+  std::function<std::vector<Expr>(const Vector3<Expr>&, const Expr&)> deviations;
+  int on = -1;                          // shape onto whose plane the points are projected first
+  std::vector<int> through;             // shapes whose origins are its points; else probed points
+  std::optional<double> radius, sigma;  // known radius; standard deviation of a probed point
+  int frame = -1;                       // on which frame of the model it lies, for simulation
+  std::vector<Vector3<double>> probe;   // where it is probed, in that frame
+  Place place;
+};
+
+// A frame made of shapes: the first axis is a shape's own, the second as near as it can be at right
+// angles to it; the origin is nearest to all the shapes named for it. A third is for checking only.
+struct Datum {
+  struct Axis {
+    int axis = 0;  // 0, 1, 2: x, y, z of the datum
+    bool reversed = false;
+    int shape = -1;
+  };
+  std::string name;
+  std::vector<int> origin;
+  std::vector<Axis> axes;        // primary, secondary, perhaps the one to check
+  std::optional<double> square;  // rad: how far from square the shapes' axes may be
+  Place place;
+};
+
+// By what a feature is probed: a datum, or a shape; in a datum, or in the machine's own axes.
+struct Probed {
+  int datum = -1, shape = -1, in = -1;
+  explicit operator bool() const { return datum >= 0 || shape >= 0; }
+};
+
 struct Feature {
   std::string name, tag;
   Kind kind = Kind::nothing;
@@ -84,6 +120,7 @@ struct Feature {
   std::vector<int> columns;  // indices of measured columns
   std::optional<double> sigma_length, sigma_angle, sigma_number;
   Observed<Expr> observed;
+  Probed probed;
   Place place;
 };
 
@@ -123,6 +160,8 @@ struct Program {
   std::vector<Frame> frames;
   std::map<std::string, int> frame_index;  // aliases included
   std::vector<Chain> chains;
+  std::vector<Shape> shapes;
+  std::vector<Datum> datums;
   std::vector<Feature> features;
   std::vector<Row> rows;
   std::vector<std::string> terms;  // residual names, in order

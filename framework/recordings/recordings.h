@@ -28,12 +28,21 @@ struct RecordedColumn {
   Place place;                 // of the header cell
 };
 
+// The covariance of measured columns that were worked out from raw points, row by row (internal
+// units; row-major over `columns`; empty where a value is missing).
+struct MeasuredNoise {
+  std::vector<std::string> columns;
+  std::vector<std::vector<double>> covariance;
+};
+
 class Recordings {
  public:
   std::string file;
   std::vector<RecordedColumn> columns;
   std::vector<int> lines;  // the file's line of each row, for messages
   int header_line = 0;
+
+  MeasuredNoise noise;
 
   // The text column `use`, where there is one: true for fit, false for check.
   std::optional<std::vector<bool>> use;

@@ -79,6 +79,10 @@ Plugin make() {
       return call(&P::template rows<Expr>, in, ch, model, measured);
     };
   }
+  if constexpr (requires { &P::template deviations<Expr>; })
+    plugin.deviations = [](const Vector3<Expr>& p, const Expr& radius) {
+      return P::deviations(p[0], p[1], p[2], radius);
+    };
   return plugin;
 }
 

@@ -20,6 +20,8 @@
 //              Observed<T> observe(T columns..., int choices...)   from the measured columns
 //     residual std::vector<T> rows(const Rigid<T>& model, const Observed<T>& measured, T inputs...)
 //                                                         measured minus modelled, per declared row
+//     shape    std::vector<T> deviations(T x, T y, T z, T radius)   of a probed point, given in the
+//                                                         shape's own frame: origin on it, axis z
 #pragma once
 
 #include <functional>
@@ -32,12 +34,16 @@
 
 namespace talus {
 
-enum class Family { joint, sensor, feature, residual };
+enum class Family { joint, sensor, feature, residual, shape };
 std::string to_string(Family family);
 
 // What a feature observes and a residual can work on.
 enum class Kind { frame, point, direction, scalar, nothing };
 std::string to_string(Kind kind);
+
+// How the order of its points gives a shape's axis its sense: along it from first to last, or about
+// it by the right-hand rule. None: the shape has no axis.
+enum class Sense { none, along, around };
 
 template <class T>
 struct Observed {
@@ -79,6 +85,9 @@ struct Declaration {
   std::vector<Kind> kinds;             // features: the one observed; residuals: those accepted
   std::vector<std::string> residuals;  // features: those taken where the model names none
   Dimension reading = number, value = number;  // sensors
+  int freedom = 0;                             // shapes: how many numbers fix one; fewest points
+  int points = 0;
+  Sense sense = Sense::none;
   bool lua = false;
 
   Declaration& coordinate(std::string name, Dimension dimension, std::string meaning);
@@ -99,6 +108,7 @@ Declaration joint(std::string tag, std::string summary);
 Declaration sensor(std::string tag, Dimension reading, Dimension value, std::string summary);
 Declaration feature(std::string tag, Kind kind, std::string summary);
 Declaration residual(std::string tag, std::vector<Kind> of, std::string summary);
+Declaration shape(std::string tag, int freedom, int points, Sense sense, std::string summary);
 
 // A registered plugin: its declaration and its functions, ready to be traced.
 struct Plugin {
@@ -109,6 +119,7 @@ struct Plugin {
   std::function<Expr(const Expr&, Inputs, Choices)> value;  // sensors
   std::function<Observed<Expr>(Inputs, Choices)> observe;   // features, from columns
   std::function<std::vector<Expr>(const Rigid<Expr>&, const Observed<Expr>&, Inputs, Choices)> rows;
+  std::function<std::vector<Expr>(const Vector3<Expr>&, const Expr&)> deviations;  // shapes
   std::string origin;  // "built in", or the file it was loaded from
 };
 

@@ -12,7 +12,7 @@
 namespace talus {
 
 std::string to_string(Family family) {
-  static constexpr const char* names[] = {"joint", "sensor", "feature", "residual"};
+  static constexpr const char* names[] = {"joint", "sensor", "feature", "residual", "shape"};
   return names[static_cast<int>(family)];
 }
 
@@ -85,6 +85,14 @@ Declaration feature(std::string tag, Kind kind, std::string summary) {
 Declaration residual(std::string tag, std::vector<Kind> of, std::string summary) {
   Declaration d{.family = Family::residual, .tag = std::move(tag), .summary = std::move(summary)};
   d.kinds = std::move(of);
+  return d;
+}
+
+Declaration shape(std::string tag, int freedom, int points, Sense sense, std::string summary) {
+  Declaration d{.family = Family::shape, .tag = std::move(tag), .summary = std::move(summary)};
+  d.freedom = freedom;
+  d.points = points;
+  d.sense = sense;
   return d;
 }
 
@@ -161,7 +169,8 @@ void Registry::add(Plugin plugin) {
                      : d.family == Family::sensor ? bool(plugin.value)
                      : d.family == Family::feature
                          ? d.kinds.size() == 1 && (plugin.observe || d.kinds[0] == Kind::nothing)
-                         : plugin.rows && !d.columns.empty();
+                     : d.family == Family::residual ? plugin.rows && !d.columns.empty()
+                                                    : plugin.deviations && d.freedom > 0;
   if (!whole) refuse("it lacks the function that a " + to_string(d.family) + " must have");
   plugins.emplace(std::string(d.tag), std::move(plugin));
 }

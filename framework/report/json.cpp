@@ -44,6 +44,24 @@ Json list(const std::vector<FittedValue>& values, const UnitSystem& units) {
   return out;
 }
 
+Json probed(const Measured& measured, const UnitSystem& units) {
+  const double mm = units.of(length).factor, rad = units.of(angle).factor;
+  Json out{{"unit", units.of(length).text}, {"angle_unit", units.of(angle).text}};
+  for (const ShapeQuality& s : measured.shapes)
+    out["shapes"].push_back({{"name", s.name},
+                             {"shape", s.tag},
+                             {"poses", s.poses},
+                             {"points", s.points},
+                             {"rmse", value(s.rmse / mm)},
+                             {"worst", value(s.worst / mm)},
+                             {"worst_pose", s.worst_pose},
+                             {"sigma", value(s.sigma / mm)}});
+  for (const DatumQuality& d : measured.datums)
+    out["datums"].push_back(
+        {{"name", d.name}, {"square_within", d.worst / rad}, {"worst_pose", d.worst_pose}});
+  return out;
+}
+
 }  // namespace
 
 std::string json_report(const Program& program, const Fit& fit, const ReportContext& context) {
@@ -78,15 +96,17 @@ std::string json_report(const Program& program, const Fit& fit, const ReportCont
                 {"stopped", fit.stopped},
                 {"solver", fit.solver},
                 {"warnings", fit.warnings}};
-  const Json out{{"talus", TALUS_VERSION},
-                 {"command", context.command},
-                 {"model", context.model_file},
-                 {"recordings", context.recordings_file},
-                 {"poses",
-                  {{"fit", fit.poses_fit},
-                   {"check", fit.poses_check},
-                   {"check_rows", fit.residuals_check.poses}}},
-                 {"baseline", std::move(baseline)}};
+  Json out{{"talus", TALUS_VERSION},
+           {"command", context.command},
+           {"model", context.model_file},
+           {"recordings", context.recordings_file},
+           {"poses",
+            {{"fit", fit.poses_fit},
+             {"check", fit.poses_check},
+             {"check_rows", fit.residuals_check.poses}}},
+           {"baseline", std::move(baseline)}};
+  if (context.measured && !context.measured->shapes.empty())
+    out["probed"] = probed(*context.measured, units);
   return out.dump(1) + "\n";
 }
 

@@ -6,13 +6,18 @@
 #include <string>
 
 #include "framework/calibration/fit.h"
+#include "framework/metrology/measure.h"
 #include "framework/model/model.h"
 
 namespace talus {
 
 struct ReportContext {
   std::string command, model_file, recordings_file;
+  const Measured* measured = nullptr;  // where features were probed
 };
+
+// Probed shapes and datums: points, RMSE of the fits, squareness. Empty where nothing was probed.
+std::string probing_text(const Program& program, const Measured& measured);
 
 std::string text_report(const Program& program, const Fit& fit, const ReportContext& context);
 std::string json_report(const Program& program, const Fit& fit, const ReportContext& context);

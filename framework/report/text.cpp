@@ -85,11 +85,34 @@ std::string parameter_table(std::vector<FittedValue> list, const UnitSystem& uni
 
 }  // namespace
 
+std::string probing_text(const Program& program, const Measured& measured) {
+  if (measured.shapes.empty()) return "";
+  const Unit length_unit = program.units.of(length), angle_unit = program.units.of(angle);
+  std::size_t width = 5;
+  for (const ShapeQuality& s : measured.shapes) width = std::max(width, s.name.size());
+  std::string out =
+      fmt::format("Probed shapes ({})\n  {:<{}}  {:<8} {:>6} {:>7} {:>9} {:>9} {:>6} {:>14}\n",
+                  length_unit.text, "shape", width, "kind", "poses", "points", "RMSE", "worst",
+                  "(pose)", "noise of a point");
+  for (const ShapeQuality& s : measured.shapes) {
+    auto in = [&](double v) { return figure(v / length_unit.factor); };
+    out += fmt::format("  {:<{}}  {:<8} {:>6} {:>7} {:>9} {:>9} {:>6} {:>14}\n", s.name, width,
+                       s.tag, s.poses, s.points, in(s.rmse), in(s.worst),
+                       fmt::format("{:g}", s.worst_pose), in(s.sigma));
+  }
+  for (const DatumQuality& d : measured.datums)
+    out += fmt::format("  datum {}: its shapes are square within {:.3g} {} (pose {:g})\n", d.name,
+                       d.worst / angle_unit.factor, angle_unit.text, d.worst_pose);
+  return out;
+}
+
 std::string text_report(const Program& program, const Fit& fit, const ReportContext& context) {
   const UnitSystem& units = program.units;
   std::string out =
       fmt::format("{}\n  model {}, recordings {}: {} poses to fit, {} to check\n\n", program.name,
                   context.model_file, context.recordings_file, fit.poses_fit, fit.poses_check);
+  if (context.measured && !context.measured->shapes.empty())
+    out += probing_text(program, *context.measured) + "\n";
   out += "Parameters\n" + parameter_table(fit.parameters, units, 200);
   if (!fit.shared.empty())
     out += "\nUnknowns shared by groups of rows\n" + parameter_table(fit.shared, units, 24);

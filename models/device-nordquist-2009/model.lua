@@ -21,6 +21,19 @@ for i, triangle in ipairs { narrow, wide, narrow } do
   }
 end
 
+-- On each end a cylinder and the seat across it; on the fixed end two more planes.
+local ring = "%d, 0, %d; 0, %d, %d; -%d, 0, %d; 0, -%d, %d"
+local function around(r, z) return ring:format(r, z, r, z, r, z, r, z) end
+local function ends(body)
+  return {
+    cylinder {
+      name = body .. "_cylinder", at = body, sigma = 0.0005,
+      probe = around(12, 5) .. "; " .. around(12, 30),
+    },
+    plane { name = body .. "_seat", at = body, sigma = 0.0005, probe = around(20, 0) },
+  }
+end
+
 return talus {
   name = "Calibration device, Nordquist and Hull 2009", length = "mm", angle = "deg",
   chain {
@@ -33,8 +46,23 @@ return talus {
   },
   micrometers,
   gravity { ["in"] = "f", z = "-1" },
-  length { name = "P", ["in"] = "f", at = "m", sigma = "0.001" },
-  direction_angles { name = "IDC", ["in"] = "f", at = "m", sigma = "0.002" },
+  ends("f"),
+  plane {
+    name = "f_x", at = "f", sigma = 0.0005,
+    probe = "25, -15, -30; 25, 15, -30; 25, 15, -5; 25, -15, -5",
+  },
+  plane {
+    name = "f_y", at = "f", sigma = 0.0005,
+    probe = "15, 25, -30; -15, 25, -30; -15, 25, -5; 15, 25, -5",
+  },
+  datum {
+    name = "f_datum", origin = "f_cylinder, f_seat", primary = "z=f_cylinder", secondary = "x=f_x",
+    check = "y=f_y", square = "0.2 deg",
+  },
+  ends("m"),
+  datum { name = "m_datum", origin = "m_cylinder, m_seat", primary = "z=m_cylinder" },
+  length { name = "P", ["in"] = "f", at = "m", probed = "m_datum in f_datum", sigma = "0.001" },
+  direction_angles { name = "IDC", ["in"] = "f", at = "m", probed = "m_datum in f_datum", sigma = "0.002" },
   calibrate { residual = "vector_length", of = "P" },
   calibrate { residual = "inverse_direction_cosines", of = "IDC" },
 }

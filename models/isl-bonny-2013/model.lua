@@ -25,6 +25,20 @@ for i = 1, 6 do
   }
 end
 
+-- Eleven points on each end: four on the face of a pin, four around it, three along the link's side.
+local function probing(body)
+  local face, pin, side = body .. "_face", body .. "_pin", body .. "_side"
+  return {
+    plane { name = face, at = body, sigma = 0.005, probe = "0, 0, 4; 4, 0, 0; 0, 0, -4; -4, 0, 0" },
+    circle {
+      name = pin, on = face, at = body, sigma = 0.005,
+      probe = "0, -5, 5; 5, -5, 0; 0, -5, -5; -5, -5, 0",
+    },
+    line { name = side, at = body, sigma = 0.005, probe = "10, -12, 8; 30, -12, 8; 50, -12, 8" },
+    datum { name = body .. "_datum", origin = pin, primary = "y=" .. face, secondary = "x=" .. side },
+  }
+end
+
 return talus {
   name = "Instrumented spatial linkage, Bonny, Hull and Howell 2013", length = "mm", angle = "deg",
   chain {
@@ -41,6 +55,7 @@ return talus {
   },
   encoders,
   gravity { ["in"] = "B", x = "-0.1696", y = "-0.2545", z = "-0.9521" },
-  frame { name = "E", ["in"] = "B", sigma = "0.005 mm, 0.002 deg" },
+  probing("B"), probing("E"),
+  frame { name = "E", ["in"] = "B", probed = "E_datum in B_datum", sigma = "0.005 mm, 0.002 deg" },
   calibrate { residual = "position, projection_angles", of = "E" },
 }
