@@ -182,7 +182,7 @@ void Problem::Inside::combined_covariance(Bench& bench, int b, std::size_t& depe
       }
       double left = variance;
       for (int k = 0; k < i; ++k) left -= L(i, k) * L(i, k);
-      if (!(left > 1e-9 * variance)) {
+      if (!(left > (by_points[i] ? 1e-6 : 1e-12) * variance)) {
         L(i, i) = 0;
         if (used(i) && l < data.batch(b).count) ++dependent;
         continue;

@@ -89,8 +89,7 @@ Problem::Inside::Inside(const Program& p, Plan the_plan, const Recordings& recor
   if (noise_variance.size() + noisy_columns.size() < noisy_slots.size())
     noisy_slots.resize(noise_variance.size());  // probed features, but given as columns
   for (std::size_t r = 0; r < p.rows.size(); ++r)
-    by_points[r] =
-        !noisy_columns.empty() && !p.rows[r].sigma && p.features[p.rows[r].feature].probed;
+    by_points[r] = !noisy_columns.empty() && bool(p.features[p.rows[r].feature].probed);
   for (const Parameter& parameter : p.parameters) held.push_back(parameter.nominal.value);
   if (!o.only_unknowns)
     for (const Parameter& parameter : p.parameters) {

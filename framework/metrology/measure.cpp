@@ -81,6 +81,12 @@ class Pose {
         throw InputError(
             place, fmt::format("the points of '{}' do not determine a {}", shape.name, shape.tag),
             "points that are spread over it");
+      if (shapes_[s].ambiguous)
+        throw InputError(
+            place,
+            fmt::format("the points of '{}' lie on two different {}s", shape.name, shape.tag),
+            "points that tell them apart (two rings of points, one turned against the "
+            "other)");
       known_[s] = true;
     }
     for (const Datum& d : program.datums) {

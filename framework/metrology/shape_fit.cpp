@@ -88,7 +88,9 @@ FittedShape ShapeFitter::fit(const std::vector<Derived>& points) const {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   double radius = 0, least = std::numeric_limits<double>::infinity();
   const int order[] = {0, 2, 1};
-  for (int start = 0; start < 15 && least > std::pow(1e-3 * size, 2) * n; ++start) {
+  std::vector<std::pair<double, Eigen::Vector3d>> found;  // cost and axis
+  const double good = std::pow(1e-3 * size, 2) * n;
+  for (int start = 0; start < 15 && (start < 3 || least > good); ++start) {
     const Eigen::Vector3d aside = start < 3 ? Eigen::Vector3d::Zero().eval()
                                             : (((start / 3) % 2 ? 1.0 : -1.0) * size *
                                                principal.eigenvectors().col((start / 3 - 1) / 2))
@@ -105,14 +107,22 @@ FittedShape ShapeFitter::fit(const std::vector<Derived>& points) const {
     Eigen::Matrix<double, kUnknowns, 1> q = Eigen::Matrix<double, kUnknowns, 1>::Zero();
     q[5] = shape_->radius.value_or(std::hypot(size, aside.norm()));
     const auto& summary = solver.Solve(cost, &q);
-    if (!(summary.final_cost < least) || !q.allFinite()) continue;
+    if (!std::isfinite(summary.final_cost) || !q.allFinite()) continue;
+    const Eigen::Matrix3d turned = frame * (Eigen::AngleAxisd(q[3], Eigen::Vector3d::UnitX()) *
+                                            Eigen::AngleAxisd(q[4], Eigen::Vector3d::UnitY()))
+                                               .toRotationMatrix();
+    found.emplace_back(summary.final_cost, turned.col(2));
+    if (!(summary.final_cost < least)) continue;
     least = summary.final_cost;
     origin = from + frame * q.head<3>();
-    R = frame * (Eigen::AngleAxisd(q[3], Eigen::Vector3d::UnitX()) *
-                 Eigen::AngleAxisd(q[4], Eigen::Vector3d::UnitY()))
-                    .toRotationMatrix();
+    R = turned;
     radius = q[5];
   }
+  // Eight corners of a box lie on three cylinders: which one was meant?
+  if (shape_->declaration.sense != Sense::none)
+    for (const auto& [cost, axis] : found)
+      result.ambiguous |=
+          cost < 9 * least + 1e-18 * size * size && axis.cross(R.col(2)).norm() > 0.05;
   if (radius < 0) radius = -radius;  // the same sphere or cylinder
 
   // Sense of the axis, from the order of the points.

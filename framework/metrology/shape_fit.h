@@ -30,6 +30,7 @@ struct FittedShape {
   int deviations = 0, freedom = 0;
   int points = 0;
   bool determined = false;  // by these points
+  bool ambiguous = false;   // another one, turned, fits them as well
 };
 
 class ShapeFitter {

@@ -22,15 +22,12 @@ for i, triangle in ipairs { narrow, wide, narrow } do
 end
 
 -- On each end a cylinder and the seat across it; on the fixed end two more planes.
-local ring = "%d, 0, %d; 0, %d, %d; -%d, 0, %d; 0, -%d, %d"
-local function around(r, z) return ring:format(r, z, r, z, r, z, r, z) end
+local seat = "20, 0, 0; 0, 20, 0; -20, 0, 0; 0, -20, 0"
+local rings = "15, 0, 5; 0, 15, 5; -15, 0, 5; 0, -15, 5; 12, 9, 30; -9, 12, 30; -12, -9, 30; 9, -12, 30"
 local function ends(body)
   return {
-    cylinder {
-      name = body .. "_cylinder", at = body, sigma = 0.0005,
-      probe = around(12, 5) .. "; " .. around(12, 30),
-    },
-    plane { name = body .. "_seat", at = body, sigma = 0.0005, probe = around(20, 0) },
+    cylinder { name = body .. "_cylinder", at = body, sigma = 0.0005, probe = rings },
+    plane { name = body .. "_seat", at = body, sigma = 0.0005, probe = seat },
   }
 end
 
