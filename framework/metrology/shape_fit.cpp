@@ -11,10 +11,16 @@
 namespace talus {
 namespace {
 
+using Eigen::Vector3d;
+
 constexpr int kUnknowns = 6;  // shifts x, y, z, turns about x and y, radius
 constexpr int kStride = 1 + kUnknowns + 3;
 
-Eigen::Matrix3d any_frame_along(const Eigen::Vector3d& z) {
+struct Start {
+  Vector3d origin, axis;
+};
+
+Eigen::Matrix3d any_frame_along(const Vector3d& z) {
   Eigen::Matrix3d R;
   R.col(2) = z.normalized();
   R.col(0) = R.col(2).unitOrthogonal();
@@ -46,18 +52,18 @@ struct ShapeFitter::Cost {
   using Scalar = double;
   enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = kUnknowns };
   const ShapeFitter& fitter;
-  std::vector<Eigen::Vector3d> points;
+  std::vector<Vector3d> points;
   bool radius_known;
 
   int NumResiduals() const { return static_cast<int>(points.size()) * fitter.per_point_; }
-  const std::vector<double>& at(const double* q, const Eigen::Vector3d& p) const {
+  const std::vector<double>& at(const double* q, const Vector3d& p) const {
     const double slots[] = {q[0], q[1], q[2], q[3], q[4], q[5], p[0], p[1], p[2]};
     return fitter.values_(slots);
   }
   bool operator()(const double* q, double* residuals, double* jacobian) const {
     const int n = NumResiduals();
     int row = 0;
-    for (const Eigen::Vector3d& p : points) {
+    for (const Vector3d& p : points) {
       const auto& v = at(q, p);
       for (int d = 0; d < fitter.per_point_; ++d, ++row) {
         residuals[row] = v[d * kStride];
@@ -75,7 +81,7 @@ FittedShape ShapeFitter::fit(const std::vector<Derived>& points) const {
   FittedShape result;
   const int n = static_cast<int>(points.size());
   result.points = n;
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  Vector3d middle = Vector3d::Zero();
   for (const Derived& p : points) middle += p.value / n;
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const Derived& p : points) spread += (p.value - middle) * (p.value - middle).transpose() / n;
@@ -84,19 +90,32 @@ FittedShape ShapeFitter::fit(const std::vector<Derived>& points) const {
 
   // From several starts: the axis along each principal direction, the origin in the middle or
   // beside it (points may cover one side only). The first good fit is taken, else the best.
-  Eigen::Vector3d origin = middle;
+  Vector3d origin = middle;
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   double radius = 0, least = std::numeric_limits<double>::infinity();
-  const int order[] = {0, 2, 1};
-  std::vector<std::pair<double, Eigen::Vector3d>> found;  // cost and axis
+  const Eigen::Matrix3d E = principal.eigenvectors();
+  const std::vector<Vector3d> along{E.col(0),
+                                    E.col(2),
+                                    E.col(1),
+                                    E.col(0) + E.col(1),
+                                    E.col(0) - E.col(1),
+                                    E.col(1) + E.col(2),
+                                    E.col(1) - E.col(2),
+                                    E.col(0) + E.col(2),
+                                    E.col(0) - E.col(2)};
+  std::vector<Start> starts;
+  for (const Vector3d& axis : along) starts.push_back({middle, axis});
+  for (int i = 0; i < 3; ++i)
+    for (double side : {-size, size})
+      for (int j = 0; j < 3; ++j) starts.push_back({middle + side * E.col(i), E.col(j)});
+  // Where points may fit a shape in two ways, all directions are tried.
+  const std::size_t fewest =
+      shape_->declaration.sense == Sense::along && per_point_ == 1 ? along.size() : 1;
+  std::vector<std::pair<double, Vector3d>> found;  // cost and axis
   const double good = std::pow(1e-3 * size, 2) * n;
-  for (int start = 0; start < 15 && (start < 3 || least > good); ++start) {
-    const Eigen::Vector3d aside = start < 3 ? Eigen::Vector3d::Zero().eval()
-                                            : (((start / 3) % 2 ? 1.0 : -1.0) * size *
-                                               principal.eigenvectors().col((start / 3 - 1) / 2))
-                                                  .eval();
-    const Eigen::Vector3d from = middle + aside;
-    const Eigen::Matrix3d frame = any_frame_along(principal.eigenvectors().col(order[start % 3]));
+  for (std::size_t k = 0; k < starts.size() && (k < fewest || least > good); ++k) {
+    const Vector3d& from = starts[k].origin;
+    const Eigen::Matrix3d frame = any_frame_along(starts[k].axis);
     Cost cost{*this, {}, shape_->radius.has_value()};
     for (const Derived& p : points) cost.points.push_back(frame.transpose() * (p.value - from));
     ceres::TinySolver<Cost> solver;
@@ -105,11 +124,11 @@ FittedShape ShapeFitter::fit(const std::vector<Derived>& points) const {
     solver.options.parameter_tolerance = 1e-13;
     solver.options.function_tolerance = 1e-15;
     Eigen::Matrix<double, kUnknowns, 1> q = Eigen::Matrix<double, kUnknowns, 1>::Zero();
-    q[5] = shape_->radius.value_or(std::hypot(size, aside.norm()));
+    q[5] = shape_->radius.value_or(std::hypot(size, (from - middle).norm()));
     const auto& summary = solver.Solve(cost, &q);
     if (!std::isfinite(summary.final_cost) || !q.allFinite()) continue;
-    const Eigen::Matrix3d turned = frame * (Eigen::AngleAxisd(q[3], Eigen::Vector3d::UnitX()) *
-                                            Eigen::AngleAxisd(q[4], Eigen::Vector3d::UnitY()))
+    const Eigen::Matrix3d turned = frame * (Eigen::AngleAxisd(q[3], Vector3d::UnitX()) *
+                                            Eigen::AngleAxisd(q[4], Vector3d::UnitY()))
                                                .toRotationMatrix();
     found.emplace_back(summary.final_cost, turned.col(2));
     if (!(summary.final_cost < least)) continue;
@@ -174,9 +193,9 @@ FittedShape ShapeFitter::fit(const std::vector<Derived>& points) const {
 
 std::vector<Derived> projected(const std::vector<Derived>& points, const FittedShape& plane) {
   std::vector<Derived> result;
-  const Eigen::Vector3d& n = plane.axis.value;
+  const Vector3d& n = plane.axis.value;
   for (const Derived& p : points) {
-    const Eigen::Vector3d away = p.value - plane.origin.value;
+    const Vector3d away = p.value - plane.origin.value;
     const double height = away.dot(n);
     const Eigen::RowVectorXd dheight =
         n.transpose() * (p.by - plane.origin.by) + away.transpose() * plane.axis.by;

@@ -153,6 +153,37 @@ const Case cases[] = {
     {"an unknown that no residual sees", around(R"(<unknown name="u" kind="angle" value="0"/>)"),
      R"(model.xml:2:3: unknown 'u' is seen by no residual
   expected a measured feature whose chain it moves)"},
+    {"a probed shape that stands nowhere above",
+     around(R"(<plane name="face"/><circle name="pin" on="fase"/>)"),
+     R"(model.xml:2:46: no probed shape 'fase' above this
+  expected one of: face
+  did you mean 'face'?)"},
+    {"points projected on a line", around(R"(<line name="side"/><circle name="pin" on="side"/>)"),
+     R"(model.xml:2:45: 'side' is a line
+  expected a plane or a circle to project the points on)"},
+    {"points of a shape without their frame", around(R"(<plane name="face" probe="1, 2, 3"/>)"),
+     R"(model.xml:2:29: 'face' has points but no frame
+  expected at="...": the frame in which the points are given)"},
+    {"a point of two numbers", around(R"(<plane name="face" at="E" probe="1, 2, 3; 4, 5"/>)"),
+     R"(model.xml:2:44: the point '4, 5'
+  expected three lengths: x, y, z; the next point behind a ';')"},
+    {"a datum's axis without a shape",
+     around(R"(<plane name="face"/><datum name="d" origin="face" primary="face"/>)"),
+     R"(model.xml:2:62: primary="face"
+  expected an axis and the shape it follows: y=face, or y=-face)"},
+    {"a datum's axis along a sphere",
+     around(R"(<sphere name="ball"/><datum name="d" origin="ball" primary="x=ball"/>)"),
+     R"(model.xml:2:63: 'ball' is a sphere, which has no axis
+  expected a plane, line, circle or cylinder)"},
+    {"a feature probed by no datum",
+     around(R"(<sphere name="ball"/><point name="P" at="E" probed="bal"/>)"),
+     R"(model.xml:2:55: no datum or probed shape 'bal'
+  expected one of: ball
+  did you mean 'ball'?)"},
+    {"a frame probed by a sphere",
+     around(R"(<sphere name="ball"/><frame name="F" at="E" probed="ball"/>)"),
+     R"(model.xml:2:55: 'ball' is a sphere
+  expected a datum: a frame is measured)"},
     {"a kind nobody knows", around(R"(<parameter name="L" kind="lenght" value="3"/>)"),
      R"(model.xml:2:29: kind="lenght"
   expected length, angle, number or a unit)"},

@@ -20,12 +20,14 @@ namespace talus::testing {
 
 inline std::string shipped(const std::string& file) { return TALUS_SOURCE_DIR "/models/" + file; }
 
-// The XML models that are shipped, in alphabetical order.
+// The XML models that are shipped, in alphabetical order; what stands in a folder `parts` is for
+// including and no model by itself.
 inline std::vector<std::string> shipped_models(const std::string& ending = ".xml") {
   std::vector<std::string> files;
   for (const auto& entry :
        std::filesystem::recursive_directory_iterator(TALUS_SOURCE_DIR "/models"))
-    if (entry.path().extension() == ending) files.push_back(entry.path().string());
+    if (entry.path().extension() == ending && entry.path().parent_path().filename() != "parts")
+      files.push_back(entry.path().string());
   std::sort(files.begin(), files.end());
   return files;
 }

@@ -68,6 +68,10 @@ inline void check_declaration(const Declaration& d) {
   }
   if (d.family == Family::sensor) check_units(d.reading), check_units(d.value);
   if (d.family == Family::residual) CHECK(!d.kinds.empty());
+  if (d.family == Family::shape) {
+    CHECK(d.freedom > 0);
+    CHECK(d.points > 1);
+  }
 }
 
 // ---- what the plugin computes ------------------------------------------------------------------
@@ -148,6 +152,11 @@ inline void check_functions(const Plugin& plugin, const std::vector<int>& choice
     outputs.insert(outputs.end(), o.vector.begin(), o.vector.end());
     outputs.push_back(o.scalar);
     check_derivatives(outputs, leaves, random);
+  }
+  if (plugin.deviations) {
+    Leaves leaves;
+    const Vector3<Expr> point{leaves.add(length), leaves.add(length), leaves.add(length)};
+    check_derivatives(plugin.deviations(point, leaves.add(length)), leaves, random);
   }
   if (plugin.rows)
     for (Kind kind : d.kinds)

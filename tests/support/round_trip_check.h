@@ -65,6 +65,10 @@ inline Model example_model(const Plugin& plugin, const std::vector<int>& choices
     if (!d.columns.empty()) tested.set("columns", "E");
     body.push_back(tested);
   }
+  if (d.family == Family::shape) {
+    tested.set("at", "E"), tested.set("sigma", "0.005"), tested.set("probe", "0, 0, 1; 1, 0, 0");
+    body.push_back(tested);
+  }
   if (d.family == Family::residual) {
     for (const auto& [kind, tag] : {std::pair{Kind::frame, "frame"},
                                     {Kind::point, "point"},
