@@ -46,12 +46,9 @@ SplitOptions split_options(const Program& program, const Recordings& recordings,
   return split;
 }
 
-std::string fold_table(const Program& program, const Recordings& recordings, const Split& split,
-                       const Options& o) {
-  std::string out = fmt::format("\nHeld out by {} folds of whole groups\n", o.folds);
-  double sum = 0;
-  std::size_t rows = 0;
-  int n = 0;
+std::vector<FoldStep> fold(const Program& program, const Recordings& recordings, const Split& split,
+                           const Options& o) {
+  std::vector<FoldStep> steps;
   const auto all = folds(split.group, o.folds, o.common.seed);
   if (all.empty())
     throw InputError({o.recordings, 0, 0}, "--folds: all rows are one group", "two groups or more");
@@ -62,19 +59,15 @@ std::string fold_table(const Program& program, const Recordings& recordings, con
     for (std::size_t k = 0; k < recordings.rows(); ++k)
       if (!out_of.contains(k)) fold.fit.push_back(k);
     const Fit fit = calibrate(program, recordings, fold, o.fit);
-    out += fmt::format("  fold {}: {} poses held out, residuals {:.4g} fitted, {:.4g} held out\n",
-                       ++n, held.size(), fit.fit_rms, fit.heldout_rms);
-    sum += fit.heldout_rms * fit.heldout_rms * static_cast<double>(held.size());
-    rows += held.size();
+    steps.push_back({held.size(), fit.fit_rms, fit.heldout_rms});
   }
-  return out + fmt::format("  all folds: {:.4g} held out (root mean square)\n",
-                           std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, rows))));
+  return steps;
 }
 
 // Weights w and 1 - w for the two residuals of <calibrate>; the best by the check rows' RMSE in %
 // of full scale.
-std::string sweep(Model& model, const Registry& registry, const Recordings& recordings,
-                  const Options& o) {
+std::vector<SweepStep> sweep(Model& model, const Registry& registry, const Recordings& recordings,
+                             const Options& o) {
   double first = 0, last = 1, step = 0.1;
   if (std::sscanf(o.sweep.c_str(), "%lf:%lf:%lf", &first, &last, &step) != 3 || !(step > 0) ||
       last < first || first < 0 || last > 1)
@@ -87,12 +80,7 @@ std::string sweep(Model& model, const Registry& registry, const Recordings& reco
   if (std::none_of(model.root.children.begin(), model.root.children.end(),
                    [](const Element& e) { return e.tag == "calibrate"; }))
     throw InputError({o.model, 0, 0}, "--sweep needs a <calibrate> element with two residuals");
-  std::string out =
-      "\nSweep of the first residual's weight (RMSE of the check rows in % of full-scale range). "
-      "As in the papers, the weight is\n"
-      "chosen on the rows held out, so their errors above are a little better than fresh rows "
-      "would show.\n";
-  double best = INFINITY, best_weight = first;
+  std::vector<SweepStep> steps;
   for (int i = 0; i <= count; ++i) {
     const double w = first + i * step;
     for (Element& child : model.root.children)
@@ -107,13 +95,13 @@ std::string sweep(Model& model, const Registry& registry, const Recordings& reco
     if (counted == 0)
       throw InputError("--sweep needs rows held out, and measures with a full-scale range");
     mean /= counted;
-    out += fmt::format("  weight {:.3f}: mean {:.4f} %, {} iterations\n", w, mean, fit.iterations);
-    if (mean < best) best = mean, best_weight = w;
+    steps.push_back({w, mean, fit.iterations, fit.measures_check});
   }
+  const double best = steps[best_of(steps)].weight;
   for (Element& child : model.root.children)
     if (child.tag == "calibrate")
-      child.set("weight", fmt::format("{:.10g}, {:.10g}", best_weight, 1 - best_weight));
-  return out + fmt::format("  best: {:.3f}\n", best_weight);
+      child.set("weight", fmt::format("{:.10g}, {:.10g}", best, 1 - best));
+  return steps;
 }
 
 void run(Options& o) {
@@ -130,15 +118,14 @@ void run(Options& o) {
   o.fit.solver = o.solver == "gram" ? FitOptions::Solver::gram
                  : o.solver == "qr" ? FitOptions::Solver::qr
                                     : FitOptions::Solver::automatic;
-  std::string sweep_table;
-  if (!o.sweep.empty()) sweep_table = sweep(model, registry, recordings, o);
+  ReportContext context{"calibrate", o.model, o.recordings, &measured};
+  if (!o.sweep.empty()) context.sweep = sweep(model, registry, recordings, o);
   const Program program = compile(model, registry);
   const Split split = split_rows(recordings, split_options(program, recordings, o));
   Fit fit = calibrate(program, recordings, split, o.fit);
   fit.warnings.insert(fit.warnings.begin(), measured.warnings.begin(), measured.warnings.end());
-  const ReportContext context{"calibrate", o.model, o.recordings, &measured};
-  std::string text = text_report(program, fit, context) + sweep_table;
-  if (o.folds > 1) text += fold_table(program, recordings, split, o);
+  if (o.folds > 1) context.folds = fold(program, recordings, split, o);
+  const std::string text = text_report(program, fit, context);
 
   Model calibrated = calibrated_model(model, program, fit);
   std::error_code error;

@@ -58,8 +58,7 @@ void Compiler::shape(const Element& element) {
   if (const Attribute* on = element.find("on")) {
     s.on = find_shape(*on);
     if (program_.shapes[s.on].declaration.sense != Sense::around)
-      throw InputError(on->place,
-                       fmt::format("'{}' is a {}", on->text, program_.shapes[s.on].tag),
+      throw InputError(on->place, fmt::format("'{}' is a {}", on->text, program_.shapes[s.on].tag),
                        "a plane or a circle to project the points on");
   }
   if (const Attribute* through = element.find("through"))
@@ -113,9 +112,10 @@ void Compiler::datum(const Element& element) {
     if (axis.reversed) shape = trimmed(shape.substr(1));
     axis.shape = find_shape({a->name, shape, a->place});
     if (program_.shapes[axis.shape].declaration.sense == Sense::none)
-      throw InputError(a->place, fmt::format("'{}' is a {}, which has no axis", shape,
-                                             program_.shapes[axis.shape].tag),
-                       "a plane, line, circle or cylinder");
+      throw InputError(
+          a->place,
+          fmt::format("'{}' is a {}, which has no axis", shape, program_.shapes[axis.shape].tag),
+          "a plane, line, circle or cylinder");
     for (const Datum::Axis& other : d.axes)
       if (other.axis == axis.axis)
         throw InputError(a->place, fmt::format("a second shape for the axis {}", text[0]),
@@ -167,8 +167,9 @@ Probed Compiler::probed(const Element& element, Kind kind) const {
                      "a datum with primary and secondary axes: a frame is measured");
   if (kind == Kind::direction && result.shape >= 0 &&
       program_.shapes[result.shape].declaration.sense == Sense::none)
-    throw InputError(a->place, fmt::format("'{}' is a {}, which has no direction", what,
-                                           program_.shapes[result.shape].tag),
+    throw InputError(a->place,
+                     fmt::format("'{}' is a {}, which has no direction", what,
+                                 program_.shapes[result.shape].tag),
                      "a datum, plane, line, circle or cylinder");
   if (kind == Kind::nothing)
     throw InputError(a->place, "nothing of a closure is measured", "no attribute 'probed'");

@@ -183,7 +183,14 @@ void Compiler::calibrate(const Element& element) {
     const int term = static_cast<int>(program_.terms.size());
     program_.terms.push_back(tag);
     int used = 0;
-    auto use = [&](int f) { add_rows(tag, f, values, weights[r], term), ++used; };
+    auto use = [&](int f) {
+      if (!taken_.emplace(tag, f).second)
+        throw InputError(
+            residuals[r].place,
+            fmt::format("residual '{}' of '{}' is taken twice", tag, program_.features[f].name),
+            "each residual of a feature once");
+      add_rows(tag, f, values, weights[r], term), ++used;
+    };
     if (const Attribute* of = element.find("of")) {
       for (const Attribute& word : split_list(*of)) {
         std::vector<std::string> names;

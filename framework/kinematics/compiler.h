@@ -58,6 +58,7 @@ class Compiler {
   std::map<std::string, const Element*> named_;  // every element with a name
   std::map<std::string, Term> known_;            // names worked out so far
   std::set<std::string> in_progress_;
+  std::set<std::pair<std::string, int>> taken_;  // residuals and the features they were taken of
 };
 
 }  // namespace talus

@@ -107,6 +107,23 @@ std::string json_report(const Program& program, const Fit& fit, const ReportCont
            {"baseline", std::move(baseline)}};
   if (context.measured && !context.measured->shapes.empty())
     out["probed"] = probed(*context.measured, units);
+  if (!context.sweep.empty()) {
+    Json& sweep = out["sweep"];
+    sweep["best"] = context.sweep[best_of(context.sweep)].weight;
+    for (const SweepStep& s : context.sweep)
+      sweep["steps"].push_back({{"weight", s.weight},
+                                {"mean_percent_fsr", s.mean},
+                                {"iterations", s.iterations},
+                                {"measures", list(s.measures, units)}});
+  }
+  if (!context.folds.empty()) {
+    Json& folds = out["folds"];
+    folds["heldout_rms"] = all_folds(context.folds);
+    for (const FoldStep& f : context.folds)
+      folds["steps"].push_back({{"held_out", f.held_out},
+                                {"fit_rms", value(f.fit_rms)},
+                                {"heldout_rms", value(f.heldout_rms)}});
+  }
   return out.dump(1) + "\n";
 }
 

@@ -83,7 +83,42 @@ std::string parameter_table(std::vector<FittedValue> list, const UnitSystem& uni
   return out;
 }
 
+std::string sweep_text(const std::vector<SweepStep>& sweep) {
+  std::string out =
+      "\nSweep of the first residual's weight (RMSE of the check rows in % of full-scale range). "
+      "As in the papers, the weight is\n"
+      "chosen on the rows held out, so their errors above are a little better than fresh rows "
+      "would show.\n";
+  for (const SweepStep& s : sweep)
+    out += fmt::format("  weight {:.3f}: mean {:.4f} %, {} iterations\n", s.weight, s.mean,
+                       s.iterations);
+  return out + fmt::format("  best: {:.3f}\n", sweep[best_of(sweep)].weight);
+}
+
+std::string fold_text(const std::vector<FoldStep>& folds) {
+  std::string out = fmt::format("\nHeld out by {} folds of whole groups\n", folds.size());
+  for (std::size_t i = 0; i < folds.size(); ++i)
+    out += fmt::format("  fold {}: {} poses held out, residuals {:.4g} fitted, {:.4g} held out\n",
+                       i + 1, folds[i].held_out, folds[i].fit_rms, folds[i].heldout_rms);
+  return out + fmt::format("  all folds: {:.4g} held out (root mean square)\n", all_folds(folds));
+}
+
 }  // namespace
+
+std::size_t best_of(const std::vector<SweepStep>& sweep) {
+  const auto it = std::min_element(sweep.begin(), sweep.end(),
+                                   [](auto& a, auto& b) { return a.mean < b.mean; });
+  return static_cast<std::size_t>(it - sweep.begin());
+}
+
+double all_folds(const std::vector<FoldStep>& folds) {
+  double sum = 0, poses = 0;
+  for (const FoldStep& f : folds) {
+    sum += f.heldout_rms * f.heldout_rms * static_cast<double>(f.held_out);
+    poses += static_cast<double>(f.held_out);
+  }
+  return std::sqrt(sum / std::max(1.0, poses));
+}
 
 std::string probing_text(const Program& program, const Measured& measured) {
   if (measured.shapes.empty()) return "";
@@ -141,6 +176,8 @@ std::string text_report(const Program& program, const Fit& fit, const ReportCont
   out += fmt::format("{} iterations, {:.3g} s, {} ({})\n", fit.iterations, fit.seconds, fit.stopped,
                      fit.solver == "qr" ? "QR" : "normal equations");
   for (const std::string& warning : fit.warnings) out += "Warning: " + warning + "\n";
+  if (!context.sweep.empty()) out += sweep_text(context.sweep);
+  if (!context.folds.empty()) out += fold_text(context.folds);
   return out;
 }
 

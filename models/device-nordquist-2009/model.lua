@@ -60,6 +60,5 @@ return talus {
   datum { name = "m_datum", origin = "m_cylinder, m_seat", primary = "z=m_cylinder" },
   length { name = "P", ["in"] = "f", at = "m", probed = "m_datum in f_datum", sigma = "0.001" },
   direction_angles { name = "IDC", ["in"] = "f", at = "m", probed = "m_datum in f_datum", sigma = "0.002" },
-  calibrate { residual = "vector_length", of = "P" },
-  calibrate { residual = "inverse_direction_cosines", of = "IDC" },
+  calibrate { residual = "inverse_direction_cosines, vector_length" },
 }
