@@ -96,7 +96,10 @@ class AxisFinder {
   const std::vector<Hinge>& hinges() const { return hinges_; }
   const Program& program() const { return *program_; }
   const Feature& feature() const { return *feature_; }
-  std::string body(const Hinge& hinge) const { return program_->frames[hinge.body].name; }
+  std::string body(const Hinge& hinge) const {
+    const Chain& chain = program_->chains[feature_->chain];
+    return hinge.body == end_ ? chain.at : chain.in;
+  }
   // By the name of a joint or of its coordinate.
   int hinge(const std::string& name, const Place& place) const;
 

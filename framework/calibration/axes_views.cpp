@@ -141,8 +141,8 @@ void AxisFinder::describe(Located& located, const std::vector<View>& views) {
     axis.determined = false;
     if (!(spread > 3 * axis.noise))
       axis.why = fmt::format(
-          "not determined: the rotation about it spreads by {:.2g} {u} (standard deviation), which "
-          "is no more than its own uncertainty of {:.2g} {u} explains",
+          "not determined: the rotation about it spreads by only {:.2g} {u} (standard deviation), "
+          "with an uncertainty of {:.2g} {u} in each pose",
           spread / unit.factor, axis.noise / unit.factor, fmt::arg("u", unit.text));
     else if (kept > 0.5 || uncertain > 30 * deg)
       axis.why = fmt::format(
