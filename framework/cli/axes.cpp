@@ -4,7 +4,7 @@
 
 #include "framework/calibration/axes_changes.h"
 #include "framework/calibration/linkage_poses.h"
-#include "framework/cli/commands.h"
+#include "framework/cli/axes_words.h"
 #include "framework/report/axes.h"
 #include "framework/report/progress.h"
 
@@ -13,41 +13,27 @@ namespace {
 
 struct Options {
   Common common;
-  std::string model, linkage, of, by, frames = "body", labels, arcs, actual;
-  std::vector<std::string> recordings, reverse;
+  AxesWords words;
+  std::string model, linkage, arcs, actual;
+  std::vector<std::string> recordings;
   std::size_t zero = 0;
   int restarts = 2;
 };
-
-AxisLabels labels_of(const Options& o) {
-  AxisLabels labels;
-  if (o.frames == "anatomical") labels = {{"A-P", "M-L", "P-D"}, {"V-V", "F-E", "I-E"}};
-  if (o.labels.empty()) return labels;
-  const auto words = CLI::detail::split(o.labels, ',');
-  if (words.size() != 6)
-    throw InputError({"--labels " + o.labels, 0, 0}, fmt::format("{} names", words.size()),
-                     "six: along x, y, z, then about x, y, z, such as A-P,M-L,P-D,V-V,F-E,I-E");
-  for (std::size_t i = 0; i < 3; ++i) {
-    labels.along[i] = CLI::detail::trim_copy(words[i]);
-    labels.about[i] = CLI::detail::trim_copy(words[i + 3]);
-  }
-  return labels;
-}
 
 void run(const Options& o) {
   check_writable(o.common.json);
   Registry registry = o.common.registry();
   const Program program = compile(open_model(o.model, registry, o.common), registry);
-  AxisFinder finder(program, o.of, o.reverse);
+  AxisFinder finder(program, o.words.of, o.words.reverse);
   AxesOptions options;
   options.locate.fit.threads = o.common.thread_count();
   options.locate.fit.seed = o.common.seed;
   options.locate.fit.restarts = o.restarts;
-  options.by = o.by;
-  options.anatomical = o.frames == "anatomical";
+  options.by = o.words.by;
+  options.anatomical = o.words.anatomical();
   if (o.zero > 0) options.zero = o.zero - 1;
   if (!o.arcs.empty()) options.arcs = parse_arcs(o.arcs, program.units);
-  options.labels = labels_of(o);
+  options.labels = o.words.axis_labels();
 
   std::vector<Recordings> recordings;
   for (const std::string& file : o.recordings) recordings.push_back(read_recordings(file));
@@ -93,25 +79,15 @@ void add_axes(CLI::App& app) {
       ->add_option("--linkage", o->linkage,
                    "model of the linkage whose readings the recordings hold instead of the frame")
       ->type_name("FILE");
-  command->add_option("--of", o->of, "the measured frame, where the model has several");
-  command->add_option("--by", o->by,
-                      "the flexing hinge, or a column of the recordings: what arcs are of "
-                      "(default: the first hinge)");
-  command
-      ->add_option("--frames", o->frames,
-                   "describe axes in the bodies' own frames, or in anatomical ones made from the "
-                   "reference (flexion axis: y; z: along the other axis)")
-      ->check(CLI::IsMember({"body", "anatomical"}))
-      ->capture_default_str();
-  command->add_option("--labels", o->labels,
-                      "names along x, y, z and about x, y, z: A-P,M-L,P-D,V-V,F-E,I-E");
-  command->add_option("--reverse", o->reverse, "a hinge whose axis is to point the other way")
-      ->allow_extra_args(false);
+  add_axes_words(*command, o->words);
   command
       ->add_option("--zero", o->zero,
                    "row of the reference that shows zero flexion (default: the model's zero)")
       ->check(CLI::PositiveNumber);
-  command->add_option("--arcs", o->arcs, "arcs of the motion, each on its own: \"20:80, 30:90\"");
+  command->add_option(
+      "--arcs", o->arcs,
+      "arcs of the motion, each on its own: \"20:80, 30:90\"; of the angle of --by, which here may "
+      "also be a column of the recordings");
   command
       ->add_option("--actual", o->actual,
                    "table of the true changes, one row per changed recording")

@@ -1,0 +1,251 @@
+#include "framework/calibration/study.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <memory>
+#include <sstream>
+
+#include "framework/cli/axes_words.h"
+#include "framework/report/progress.h"
+#include "framework/report/resumable_table.h"
+
+namespace talus {
+namespace {
+
+struct Options {
+  Common common;
+  AxesWords words;
+  std::string linkage, motion, vary, noise = "0.01 deg", grid, poses, table;
+  int trials = 200;
+};
+
+struct Varied {
+  std::string name;
+  std::vector<std::string> values;
+};
+
+// "joint2.d=250:350:50; joint3.a=280,300", in the linkage file's own units.
+std::vector<Varied> parse_vary(const std::string& text) {
+  std::vector<Varied> list;
+  for (const std::string& part : CLI::detail::split(text, ';')) {
+    const std::string word = CLI::detail::trim_copy(part);
+    if (word.empty()) continue;
+    const Place place{"--vary " + word, 0, 0};
+    const std::size_t equals = word.find('=');
+    const std::string expected = "element.attribute=first:last:step, or =a,b,c";
+    if (equals == std::string::npos || word.find('.') > equals)
+      throw InputError(place, "no attribute with its values", expected);
+    Varied varied{CLI::detail::trim_copy(word.substr(0, equals)), {}};
+    const std::string values = word.substr(equals + 1);
+    auto as_number = [&](const std::string& s) {
+      return parse_quantity(CLI::detail::trim_copy(s), number, {}, place).value;
+    };
+    if (values.find(':') == std::string::npos) {
+      for (const std::string& v : CLI::detail::split(values, ','))
+        varied.values.push_back(shortest(as_number(v)));
+    } else {
+      const auto words = CLI::detail::split(values, ':');
+      if (words.size() != 3) throw InputError(place, "'" + values + "'", expected);
+      const double first = as_number(words[0]), last = as_number(words[1]),
+                   step = as_number(words[2]);
+      if (!(step > 0) || last < first)
+        throw InputError(place, "'" + values + "'", "first below last, and a step above zero");
+      const double count = std::floor((last - first) / step + 1e-9);
+      if (count > 1e4) throw InputError(place, fmt::format("{:.0f} values", count + 1), "10000");
+      for (int i = 0; i <= static_cast<int>(count); ++i)
+        varied.values.push_back(fmt::format("{:.12g}", first + i * step));
+    }
+    list.push_back(std::move(varied));
+  }
+  return list;
+}
+
+// Every combination, the last name changing fastest; one empty design where nothing is varied.
+std::vector<std::vector<std::string>> designs_of(const std::vector<Varied>& varied) {
+  std::vector<std::vector<std::string>> designs{{}};
+  for (const Varied& v : varied) {
+    std::vector<std::vector<std::string>> next;
+    for (const auto& design : designs)
+      for (const std::string& value : v.values) {
+        next.push_back(design);
+        next.back().push_back(value);
+      }
+    if (next.size() > 100000)
+      throw InputError({"--vary", 0, 0}, fmt::format("{} designs or more", next.size()),
+                       "at most 100000");
+    designs = std::move(next);
+  }
+  return designs;
+}
+
+std::vector<double> parse_noise(const std::string& text) {
+  std::vector<double> list;
+  // A unit at the end holds for all; otherwise degrees.
+  const Place place{"--noise", 0, 0};
+  auto words = CLI::detail::split(text, ',');
+  const std::size_t letter = words.back().find_first_of("abcdefghijklmnopqrstuvwxyz");
+  const std::string unit = letter == std::string::npos ? "" : " " + words.back().substr(letter);
+  if (letter != std::string::npos) words.back().erase(letter);
+  for (const std::string& word : words) {
+    list.push_back(
+        parse_quantity(CLI::detail::trim_copy(word) + unit, angle, UnitSystem{}, place).value);
+    if (!(list.back() > 0))
+      throw InputError(place, "'" + CLI::detail::trim_copy(word) + "'", "more than zero");
+  }
+  return list;
+}
+
+Program linkage_program(const Options& o, const std::vector<std::string>& sets) {
+  Registry registry = o.common.registry();
+  Common common;
+  common.sets = o.common.sets;
+  common.sets.insert(common.sets.end(), sets.begin(), sets.end());
+  return compile(open_model(o.linkage, registry, common), registry);
+}
+
+std::string contents(const Model& model) {
+  std::string all;
+  for (const std::string& file : model.sources) {
+    std::ifstream in(file, std::ios::binary);
+    all += (std::ostringstream() << file << '\n' << in.rdbuf()).str() + '\n';
+  }
+  return all;
+}
+
+std::string cell(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : ""; }
+
+void run(const Options& o) {
+  check_writable(o.table);
+  if (o.grid.empty() == o.poses.empty())
+    throw InputError({"talus study", 0, 0},
+                     o.grid.empty() ? "no motion to apply" : "both --grid and --poses",
+                     "--grid \"angle=0:110:10; ...\" or --poses FILE");
+  const std::vector<Varied> varied = parse_vary(o.vary);
+  const auto designs = designs_of(varied);
+  const std::vector<double> noises = parse_noise(o.noise);
+
+  Registry registry = o.common.registry();
+  const Model motion_model = open_model(o.motion, registry, {});
+  Program motion_program = compile(motion_model, registry);
+  StudiedMotion::Choices choices{o.words.of, o.words.by, o.words.anatomical(), o.words.reverse};
+  std::string poses_text;
+  Settings settings;
+  if (!o.grid.empty()) {
+    settings = grid_settings(motion_program, o.grid);
+  } else {
+    const Recordings poses = read_recordings(o.poses);
+    poses_text = write_recordings(poses);
+    settings = settings_from(motion_program, poses, o.common.thread_count());
+  }
+  const StudiedMotion motion(motion_program, settings, choices);
+  const UnitSystem& units = motion_program.units;
+
+  const AxisLabels labels = o.words.axis_labels();
+  std::string header;
+  for (const Varied& v : varied) header += v.name + ",";
+  header += fmt::format("noise[{}],trials,poses,outside,unreachable", units.angle.text);
+  std::vector<std::string> names;
+  std::vector<Unit> unit;
+  for (std::size_t k = 0; k < motion.finder().hinges().size(); ++k)
+    for (std::size_t v = 0; v < 4; ++v) {
+      names.push_back(motion.finder().hinges()[k].name + "." +
+                      labels.of(motion.views()[k].main)[v]);
+      unit.push_back(v < 2 ? units.length : units.angle);
+      header += fmt::format(",{0} rmse[{1}],{0} se[{1}]", names.back(), unit.back().text);
+    }
+
+  // Everything that a row depends on.
+  std::string fixed = contents(motion_model) + poses_text;
+  {
+    Registry again = o.common.registry();
+    fixed += contents(open_model(o.linkage, again, {}));
+    for (const std::string& file : o.common.plugins) {
+      std::ifstream in(file, std::ios::binary);
+      fixed += (std::ostringstream() << in.rdbuf()).str();
+    }
+  }
+  fixed += fmt::format("{}|{}|{}|{}|{}|{}|{}|{}|{}", o.vary, o.noise, o.grid, o.trials,
+                       o.common.seed, join(o.common.sets, "|"), o.words.of + "|" + o.words.by,
+                       o.words.frames, join(o.words.reverse, "|"));
+  ResumableTable table(o.table, "talus study", fixed, header);
+  const std::size_t all = designs.size() * noises.size(), before = table.rows().size();
+  if (before > all)
+    throw InputError({o.table, 0, 0}, fmt::format("{} rows", before),
+                     fmt::format("at most the {} of this study", all));
+  // A design that cannot be built says so before anything is computed.
+  for (std::size_t d = before / noises.size(); d < designs.size(); ++d) {
+    if (d != before / noises.size() && d + 1 != designs.size()) continue;
+    std::vector<std::string> sets;
+    for (std::size_t i = 0; i < varied.size(); ++i)
+      sets.push_back(varied[i].name + "=" + designs[d][i]);
+    const Program program = linkage_program(o, sets);
+    LinkagePoses(program, motion.finder().feature());
+  }
+
+  Progress bar("study");
+  StudyOptions options{o.trials, o.common.thread_count(), o.common.seed, {}};
+  std::size_t row = before;
+  while (row < all) {
+    const std::size_t d = row / noises.size();
+    std::vector<std::string> sets;
+    for (std::size_t i = 0; i < varied.size(); ++i)
+      sets.push_back(varied[i].name + "=" + designs[d][i]);
+    Program program = linkage_program(o, sets);
+    const StudiedDesign design(program, motion, options.threads);
+    for (; row < (d + 1) * noises.size(); ++row) {
+      options.progress = [&](double share) {
+        bar((static_cast<double>(row) + share) / static_cast<double>(all));
+      };
+      const double noise = noises[row % noises.size()];
+      const StudyRow result = design.run(noise, d, options);
+      std::string text;
+      for (const std::string& value : designs[d]) text += value + ",";
+      text += fmt::format("{:g},{},{},{},{}", noise / units.angle.factor, result.trials,
+                          motion.poses().rows(), result.outside, result.unreachable);
+      for (std::size_t i = 0; i < names.size(); ++i)
+        text += fmt::format(",{},{}", cell(result.rmse[i] / unit[i].factor),
+                            cell(result.error[i] / unit[i].factor));
+      table.add(text);
+    }
+  }
+  if (!o.common.quiet) fmt::print("{}", table.text());
+}
+
+}  // namespace
+
+void add_study(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "study", "how well linkages of several designs would find the axes of a motion");
+  auto o = std::make_shared<Options>();
+  command->add_option("linkage", o->linkage, "model of the linkage")->required();
+  command->add_option("motion", o->motion, "hinges whose nominal places are the truth")->required();
+  command->add_option("--grid", o->grid,
+                      "the motion: every combination: \"flexion=0:110:10; rotation=-15,0,15\"");
+  command->add_option("--poses", o->poses, "the motion: a CSV file with the frames to reach")
+      ->type_name("FILE");
+  command->add_option("--vary", o->vary,
+                      "attributes of the linkage: \"joint2.d=250:350:50; joint3.a=280,300\"");
+  command
+      ->add_option("--noise", o->noise, "standard deviations of the encoders: \"0.005, 0.01 deg\"")
+      ->capture_default_str();
+  command->add_option("--trials", o->trials, "trials of each design and noise")
+      ->check(CLI::Range(2, 1000000))
+      ->capture_default_str();
+  command
+      ->add_option("--table", o->table,
+                   "file for the rows; the same command again goes on where it stopped")
+      ->type_name("FILE");
+  add_axes_words(*command, o->words);
+  add_common(*command, o->common, true, false);
+  command->add_flag("--quiet", o->common.quiet, "print results only to files");
+  command->add_option("--seed", o->common.seed, "seed of all random choices")
+      ->capture_default_str();
+  command
+      ->add_option("--threads", o->common.threads,
+                   "threads (default: one per core); results do not depend on it")
+      ->check(CLI::Range(1, 1024));
+  command->callback([o] { run(*o); });
+}
+
+}  // namespace talus
