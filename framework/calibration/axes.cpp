@@ -152,7 +152,7 @@ Located AxisFinder::locate(const Recordings& recordings, const std::vector<std::
       column = fit.residuals_fit.latent.col(h.number - static_cast<int>(readings));
       axis.noise = result.covariance.latent_std[h.number - readings];
     }
-      axis.low = column.minCoeff(), axis.high = column.maxCoeff();
+    axis.low = column.minCoeff(), axis.high = column.maxCoeff();
     result.axes.push_back(axis);
   }
   return result;

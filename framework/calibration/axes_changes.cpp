@@ -156,6 +156,12 @@ AxesResult find_axes(AxisFinder& finder, const std::vector<Recordings>& recordin
         truth[k][v] = &actual->get(names.back(), dimension_of(v)).values;
         any = true;
       }
+    // A misspelt variable must not pass for one that is not judged.
+    for (const RecordedColumn& column : actual->columns)
+      if (column.name.find('.') != std::string::npos &&
+          std::find(names.begin(), names.end(), column.name) == names.end())
+        throw InputError(column.place, fmt::format("no variable '{}'", column.name),
+                         "one of: " + join(names), nearest(column.name, names));
     if (!any)
       throw InputError({actual->file, actual->header_line, 0}, "no column of a true change",
                        "one of: " + join(names));

@@ -49,6 +49,7 @@ Covariance covariance(const Program& program, const Recordings& recordings, cons
   result.observed = result.stated * spread * result.stated;
 
   result.latent_std.assign(problem.latents(), 0);
+  if (problem.latents() == 0) return result;
   const auto information = problem.latent_information(fit.x);
   for (const Eigen::MatrixXd& each : information) {
     const Eigen::MatrixXd inverse = each.completeOrthogonalDecomposition().pseudoInverse();
