@@ -83,7 +83,9 @@ AxisFinder::AxisFinder(const Program& program, const std::string& feature,
                      "joints that turn, moved by an <unknown> per pose or by a sensor");
   for (std::size_t k = 0; k < hinges_.size(); ++k) {
     Hinge& h = hinges_[k];
-    h.body = k > 0 && k + 1 == hinges_.size() ? end_ : in_;
+    const bool first = k == 0, last = k + 1 == hinges_.size();
+    h.body = last && !first ? end_ : in_;
+    h.still = first || last;
     // A joint that turns about several axes: told apart by what moves them.
     if (std::count_if(hinges_.begin(), hinges_.end(), [&](const Hinge& o) {
           return posture_.axes()[o.axis].joint == posture_.axes()[h.axis].joint;

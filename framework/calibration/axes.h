@@ -52,7 +52,8 @@ struct Hinge {
   std::string name;            // of the joint
   std::string coordinate;      // of the unknown or sensor that moves it
   int axis = -1, number = -1;  // in Posture::axes(); among readings, then unknowns
-  int body = -1;               // frame in which it stands still
+  int body = -1;               // frame in which it is described
+  bool still = true;           // it stands still there; otherwise: as it lies at zero angles
   double sense = 1;            // -1: the line points against the growing coordinate
 };
 

@@ -113,6 +113,22 @@ std::string contents(const Model& model) {
   return all;
 }
 
+// What people look at first; everything else stands in the table.
+std::string summary_line(const std::string& design, double noise, const StudyRow& row,
+                         const UnitSystem& units, std::size_t poses) {
+  std::string out = fmt::format("  {:<32} {:>8.4g}", design, noise / units.angle.factor);
+  if (row.unreachable > 0)
+    return out + fmt::format("   {} of {} poses cannot be reached\n", row.unreachable, poses);
+  double position = 0, lean = 0;
+  for (std::size_t i = 0; i < row.rmse.size(); ++i)
+    (i % 4 < 2 ? position : lean) = std::max(i % 4 < 2 ? position : lean, row.rmse[i]);
+  out += fmt::format(" {:>12.4g} {:>12.4g}", position / units.length.factor,
+                     lean / units.angle.factor);
+  if (row.outside > 0)
+    out += fmt::format("   {} of {} poses outside a sensor's range", row.outside, poses);
+  return out + "\n";
+}
+
 std::string cell(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : ""; }
 
 void run(const Options& o) {
@@ -186,6 +202,11 @@ void run(const Options& o) {
   Progress bar("study");
   StudyOptions options{o.trials, o.common.thread_count(), o.common.seed, {}};
   std::size_t row = before;
+  std::string summary = fmt::format(
+      "Largest root mean square error of any position and any orientation\n  {:<32} "
+      "{:>8} {:>12} {:>12}\n",
+      "design", "noise " + units.angle.text, units.length.text, units.angle.text);
+  if (before > 0) summary += fmt::format("  {} rows were there already\n", before);
   while (row < all) {
     const std::size_t d = row / noises.size();
     std::vector<std::string> sets;
@@ -207,9 +228,12 @@ void run(const Options& o) {
         text += fmt::format(",{},{}", cell(result.rmse[i] / unit[i].factor),
                             cell(result.error[i] / unit[i].factor));
       table.add(text);
+      summary += summary_line(join(sets, " "), noise, result, units, motion.poses().rows());
     }
   }
-  if (!o.common.quiet) fmt::print("{}", table.text());
+  if (!o.common.quiet)
+    fmt::print("{}",
+               o.table.empty() ? table.text() : summary + fmt::format("Table: {}\n", o.table));
 }
 
 }  // namespace
@@ -234,7 +258,8 @@ void add_study(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--table", o->table,
-                   "file for the rows; the same command again goes on where it stopped")
+                   "file for the rows (otherwise standard output); the same command again goes on "
+                   "where it stopped")
       ->type_name("FILE");
   add_axes_words(*command, o->words);
   add_common(*command, o->common, true, false);

@@ -42,6 +42,7 @@ class Writer {
       Json axis{{"name", h.name},
                 {"coordinate", h.coordinate},
                 {"body", finder_.body(h)},
+                {"still", h.still},
                 {"range", {a.low / turn, a.high / turn}},
                 {"coordinate_std", number_or_null(a.noise / turn)},
                 {"determined", a.determined}};

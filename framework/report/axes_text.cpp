@@ -65,9 +65,10 @@ class Text {
     const Hinge& h = finder_.hinges()[k];
     const View& view = result_.views[k];
     const std::string body = finder_.body(h);
-    out_ +=
-        fmt::format("  {}, still in {}; {} from {:.1f} to {:.1f} {}\n", h.name, body, h.coordinate,
-                    a.low / units_.angle.factor, a.high / units_.angle.factor, units_.angle.text);
+    out_ += fmt::format("  {}, {} {}{}; {} from {:.1f} to {:.1f} {}\n", h.name,
+                        h.still ? "still in" : "in", body, h.still ? "" : " at zero angles",
+                        h.coordinate, a.low / units_.angle.factor, a.high / units_.angle.factor,
+                        units_.angle.text);
     if (!a.determined) {
       out_ += fmt::format("    {}\n", a.why);
       return;

@@ -163,7 +163,9 @@ TEST_CASE("study: the same table on any number of threads, at once or taken up a
   CHECK(three.code == 0);
   const std::string whole = contents(folder / "one.csv");
   CHECK(contents(folder / "three.csv") == whole);
-  CHECK(one.out == whole);
+  CHECK(command(folder, study + "--trials 6").out == whole);
+  CHECK(contains(one.out, "Largest root mean square error of any position and any orientation"));
+  CHECK(contains(one.out, "Table: one.csv"));
   const std::vector<std::string> lines = lines_of(whole);
   REQUIRE(lines.size() == 2 + 4);
   CHECK(contains(lines[1], "joint2.d,joint3.a,noise[deg],trials,poses,outside,unreachable,"));
@@ -192,6 +194,11 @@ TEST_CASE("study: a design that cannot follow the motion is said so") {
   const std::string row = lines_of(run.out).back();
   CHECK(row.starts_with("20,0.01,0,6,"));
   CHECK(row.ends_with(",,,"));
+  const Run table = command(folder, "study '" + isl + "published.xml' '" + isl +
+                                        "axes.xml' --grid 'flexion_angle=20:80:30; "
+                                        "rotation_angle=-15,15' --vary joint3.a=20 --trials 2 "
+                                        "--table study.csv");
+  CHECK(contains(table.out, "poses cannot be reached"));
 }
 
 TEST_CASE("study: errors in full") {
