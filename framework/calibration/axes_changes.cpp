@@ -13,10 +13,33 @@ Dimension dimension_of(int variable) { return variable < 2 ? length : angle; }
 // The angle by which rows are sorted into arcs: a column of that name, or a hinge's coordinate as
 // it was fitted.
 std::vector<double> arc_angles(const AxisFinder& finder, const Recordings& recordings,
-                               const Located& located, const std::string& by) {
-  if (recordings.find(by)) return recordings.get(by, angle).values;
+                               const std::vector<std::size_t>& rows, const Located& located,
+                               const std::string& by) {
+  if (recordings.find(by)) {
+    std::vector<double> angles;
+    for (std::size_t row : rows) angles.push_back(recordings.get(by, angle).values[row]);
+    return angles;
+  }
   const auto column = located.coordinates.col(finder.hinge(by, {"--by " + by, 0, 0}));
   return {column.begin(), column.end()};
+}
+
+// Rows in which the frame was measured whole.
+std::vector<std::size_t> measured_rows(const AxisFinder& finder, const Recordings& recordings) {
+  std::vector<std::size_t> rows;
+  for (std::size_t row = 0; row < recordings.rows(); ++row) {
+    bool whole = true;
+    for (int c : finder.feature().columns)
+      if (const RecordedColumn* column = recordings.find(finder.program().columns[c].name))
+        whole &= !std::isnan(column->values[row]);
+    if (whole) rows.push_back(row);
+  }
+  if (rows.size() < 3)
+    throw InputError(
+        {recordings.file, 0, 0},
+        fmt::format("{} poses in which '{}' was measured", rows.size(), finder.feature().name),
+        "three at the least");
+  return rows;
 }
 
 void find_changes(ArcAxes& arc) {
@@ -101,7 +124,7 @@ AxesResult find_axes(AxisFinder& finder, const std::vector<Recordings>& recordin
 
   std::vector<std::vector<std::size_t>> all(files);
   for (std::size_t r = 0; r < files; ++r) {
-    for (std::size_t row = 0; row < recordings[r].rows(); ++row) all[r].push_back(row);
+    all[r] = measured_rows(finder, recordings[r]);
     result.whole.located.push_back(locate(recordings[r], all[r]));
     if (r > 0) continue;
     Located& reference = result.whole.located[0];
@@ -111,10 +134,13 @@ AxesResult find_axes(AxisFinder& finder, const std::vector<Recordings>& recordin
       std::vector<double> zero(finder.program().readings.size() + finder.program().unknowns.size(),
                                0);
       if (options.zero) {
-        if (*options.zero >= recordings[0].rows())
-          throw InputError({"--zero", 0, 0}, fmt::format("no row {}", *options.zero + 1),
+        const auto at = std::find(all[0].begin(), all[0].end(), *options.zero);
+        if (at == all[0].end())
+          throw InputError({"--zero", 0, 0},
+                           fmt::format("no row {} with a measured pose", *options.zero + 1),
                            fmt::format("1 to {}", recordings[0].rows()));
-        zero = finder.pose(recordings[0], all[0], reference, *options.zero);
+        zero = finder.pose(recordings[0], all[0], reference,
+                           static_cast<std::size_t>(at - all[0].begin()));
       }
       result.views = finder.anatomical_views(reference, by, zero, {"--frames anatomical", 0, 0});
     }
@@ -127,10 +153,11 @@ AxesResult find_axes(AxisFinder& finder, const std::vector<Recordings>& recordin
     each.arc = arc;
     for (std::size_t r = 0; r < files; ++r) {
       const std::vector<double> angles =
-          arc_angles(finder, recordings[r], result.whole.located[r], by);
+          arc_angles(finder, recordings[r], all[r], result.whole.located[r], by);
       std::vector<std::size_t> rows;
-      for (std::size_t row : all[r])
-        if (angles[row] >= arc.first - 1e-9 && angles[row] <= arc.last + 1e-9) rows.push_back(row);
+      for (std::size_t k = 0; k < all[r].size(); ++k)
+        if (angles[k] >= arc.first - 1e-9 && angles[k] <= arc.last + 1e-9)
+          rows.push_back(all[r][k]);
       if (rows.size() < 3)
         throw InputError({recordings[r].file, 0, 0},
                          fmt::format("{} poses with '{}' in the arc {}", rows.size(), by, arc.name),

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "framework/cli/axes_words.h"
+#include "framework/cli/study_words.h"
 #include "framework/report/progress.h"
 #include "framework/report/resumable_table.h"
 
@@ -20,87 +21,11 @@ struct Options {
   int trials = 200;
 };
 
-struct Varied {
-  std::string name;
-  std::vector<std::string> values;
-};
-
-// "joint2.d=250:350:50; joint3.a=280,300", in the linkage file's own units.
-std::vector<Varied> parse_vary(const std::string& text) {
-  std::vector<Varied> list;
-  for (const std::string& part : CLI::detail::split(text, ';')) {
-    const std::string word = CLI::detail::trim_copy(part);
-    if (word.empty()) continue;
-    const Place place{"--vary " + word, 0, 0};
-    const std::size_t equals = word.find('=');
-    const std::string expected = "element.attribute=first:last:step, or =a,b,c";
-    if (equals == std::string::npos || word.find('.') > equals)
-      throw InputError(place, "no attribute with its values", expected);
-    Varied varied{CLI::detail::trim_copy(word.substr(0, equals)), {}};
-    const std::string values = word.substr(equals + 1);
-    auto as_number = [&](const std::string& s) {
-      return parse_quantity(CLI::detail::trim_copy(s), number, {}, place).value;
-    };
-    if (values.find(':') == std::string::npos) {
-      for (const std::string& v : CLI::detail::split(values, ','))
-        varied.values.push_back(shortest(as_number(v)));
-    } else {
-      const auto words = CLI::detail::split(values, ':');
-      if (words.size() != 3) throw InputError(place, "'" + values + "'", expected);
-      const double first = as_number(words[0]), last = as_number(words[1]),
-                   step = as_number(words[2]);
-      if (!(step > 0) || last < first)
-        throw InputError(place, "'" + values + "'", "first below last, and a step above zero");
-      const double count = std::floor((last - first) / step + 1e-9);
-      if (count > 1e4) throw InputError(place, fmt::format("{:.0f} values", count + 1), "10000");
-      for (int i = 0; i <= static_cast<int>(count); ++i)
-        varied.values.push_back(fmt::format("{:.12g}", first + i * step));
-    }
-    list.push_back(std::move(varied));
-  }
-  return list;
-}
-
-// Every combination, the last name changing fastest; one empty design where nothing is varied.
-std::vector<std::vector<std::string>> designs_of(const std::vector<Varied>& varied) {
-  std::vector<std::vector<std::string>> designs{{}};
-  for (const Varied& v : varied) {
-    std::vector<std::vector<std::string>> next;
-    for (const auto& design : designs)
-      for (const std::string& value : v.values) {
-        next.push_back(design);
-        next.back().push_back(value);
-      }
-    if (next.size() > 100000)
-      throw InputError({"--vary", 0, 0}, fmt::format("{} designs or more", next.size()),
-                       "at most 100000");
-    designs = std::move(next);
-  }
-  return designs;
-}
-
-std::vector<double> parse_noise(const std::string& text) {
-  std::vector<double> list;
-  // A unit at the end holds for all; otherwise degrees.
-  const Place place{"--noise", 0, 0};
-  auto words = CLI::detail::split(text, ',');
-  const std::size_t letter = words.back().find_first_of("abcdefghijklmnopqrstuvwxyz");
-  const std::string unit = letter == std::string::npos ? "" : " " + words.back().substr(letter);
-  if (letter != std::string::npos) words.back().erase(letter);
-  for (const std::string& word : words) {
-    list.push_back(
-        parse_quantity(CLI::detail::trim_copy(word) + unit, angle, UnitSystem{}, place).value);
-    if (!(list.back() > 0))
-      throw InputError(place, "'" + CLI::detail::trim_copy(word) + "'", "more than zero");
-  }
-  return list;
-}
-
-Program linkage_program(const Options& o, const std::vector<std::string>& sets) {
+Program linkage_program(const Options& o, const std::vector<std::string>& design) {
   Registry registry = o.common.registry();
   Common common;
   common.sets = o.common.sets;
-  common.sets.insert(common.sets.end(), sets.begin(), sets.end());
+  common.sets.insert(common.sets.end(), design.begin(), design.end());
   return compile(open_model(o.linkage, registry, common), registry);
 }
 
@@ -108,7 +33,7 @@ std::string contents(const Model& model) {
   std::string all;
   for (const std::string& file : model.sources) {
     std::ifstream in(file, std::ios::binary);
-    all += (std::ostringstream() << file << '\n' << in.rdbuf()).str() + '\n';
+    all += (std::ostringstream() << in.rdbuf()).str() + '\n';
   }
   return all;
 }
@@ -152,7 +77,10 @@ void run(const Options& o) {
   } else {
     const Recordings poses = read_recordings(o.poses);
     poses_text = write_recordings(poses);
-    settings = settings_from(motion_program, poses, o.common.thread_count());
+    settings.poses.resize(poses.rows());
+    for (const Unknown& u : motion_program.unknowns)
+      for (std::size_t k = 0; k < poses.rows(); ++k)
+        settings.poses[k].push_back(poses.get(u.name, u.dimension).values[k]);
   }
   const StudiedMotion motion(motion_program, settings, choices);
   const UnitSystem& units = motion_program.units;
@@ -189,17 +117,19 @@ void run(const Options& o) {
   if (before > all)
     throw InputError({o.table, 0, 0}, fmt::format("{} rows", before),
                      fmt::format("at most the {} of this study", all));
-  // A design that cannot be built says so before anything is computed.
-  for (std::size_t d = before / noises.size(); d < designs.size(); ++d) {
-    if (d != before / noises.size() && d + 1 != designs.size()) continue;
+  auto sets_of = [&](std::size_t d) {
     std::vector<std::string> sets;
     for (std::size_t i = 0; i < varied.size(); ++i)
       sets.push_back(varied[i].name + "=" + designs[d][i]);
-    const Program program = linkage_program(o, sets);
+    return sets;
+  };
+  // Names and units that are wrong are said before anything is computed.
+  for (const std::size_t d : {std::size_t{0}, designs.size() - 1}) {
+    const Program program = linkage_program(o, sets_of(d));
     LinkagePoses(program, motion.finder().feature());
   }
 
-  Progress bar("study");
+  auto bar = std::make_unique<Progress>("study");
   StudyOptions options{o.trials, o.common.thread_count(), o.common.seed, {}};
   std::size_t row = before;
   std::string summary = fmt::format(
@@ -209,14 +139,12 @@ void run(const Options& o) {
   if (before > 0) summary += fmt::format("  {} rows were there already\n", before);
   while (row < all) {
     const std::size_t d = row / noises.size();
-    std::vector<std::string> sets;
-    for (std::size_t i = 0; i < varied.size(); ++i)
-      sets.push_back(varied[i].name + "=" + designs[d][i]);
+    const std::vector<std::string> sets = sets_of(d);
     Program program = linkage_program(o, sets);
     const StudiedDesign design(program, motion, options.threads);
     for (; row < (d + 1) * noises.size(); ++row) {
       options.progress = [&](double share) {
-        bar((static_cast<double>(row) + share) / static_cast<double>(all));
+        (*bar)((static_cast<double>(row) + share) / static_cast<double>(all));
       };
       const double noise = noises[row % noises.size()];
       const StudyRow result = design.run(noise, d, options);
@@ -231,6 +159,7 @@ void run(const Options& o) {
       summary += summary_line(join(sets, " "), noise, result, units, motion.poses().rows());
     }
   }
+  bar.reset();
   if (!o.common.quiet)
     fmt::print("{}",
                o.table.empty() ? table.text() : summary + fmt::format("Table: {}\n", o.table));
@@ -246,7 +175,9 @@ void add_study(CLI::App& app) {
   command->add_option("motion", o->motion, "hinges whose nominal places are the truth")->required();
   command->add_option("--grid", o->grid,
                       "the motion: every combination: \"flexion=0:110:10; rotation=-15,0,15\"");
-  command->add_option("--poses", o->poses, "the motion: a CSV file with the frames to reach")
+  command
+      ->add_option("--poses", o->poses,
+                   "the motion: a CSV file with a column for each of its unknown angles")
       ->type_name("FILE");
   command->add_option("--vary", o->vary,
                       "attributes of the linkage: \"joint2.d=250:350:50; joint3.a=280,300\"");

@@ -124,6 +124,21 @@ TEST_CASE("axes: from a linkage's readings") {
   CHECK(apart["distance_std"].get<double>() < 0.1);
 }
 
+TEST_CASE("axes: poses that were not measured are left out") {
+  const Knees folder;
+  std::string gaps, text = contents(folder / "before.csv");
+  std::istringstream in(text);
+  int number = 0;
+  for (std::string line; std::getline(in, line); ++number)
+    gaps += (number % 7 == 5 ? line.substr(0, line.find(',')) + ",,,,,,," : line) + "\n";
+  folder.write("gaps.csv", gaps);
+  const Run run = command(folder, "axes '" + knee + "' gaps.csv");
+  CAPTURE(run.error);
+  CHECK(run.code == 0);
+  CHECK(contains(run.out, "recordings gaps.csv: 72 poses"));
+  CHECK(command(folder, "axes '" + knee + "' gaps.csv --zero 4 --frames anatomical").code == 2);
+}
+
 TEST_CASE("axes: errors in full") {
   const Knees folder;
   folder.write("actual.csv", "flexion.AP[mm]\n2\n");
@@ -146,7 +161,7 @@ TEST_CASE("axes: errors in full") {
   CHECK(error("before.csv after.csv --actual rows.csv") ==
         "rows.csv: 2 rows\n  expected 1: one per recording after the first\n");
   CHECK(error("before.csv --zero 900 --frames anatomical") ==
-        "--zero: no row 900\n  expected 1 to 84\n");
+        "--zero: no row 900 with a measured pose\n  expected 1 to 84\n");
   CHECK(error("before.csv --labels a,b,c") ==
         "--labels a,b,c: 3 names\n  expected six: along x, y, z, then about x, y, z, such as "
         "A-P,M-L,P-D,V-V,F-E,I-E\n");
@@ -178,6 +193,14 @@ TEST_CASE("study: the same table on any number of threads, at once or taken up a
     CHECK(command(folder, study + "--trials 6 --table one.csv").code == 0);
     CHECK(contents(folder / "one.csv") == whole);
   }
+  std::string angles = "rotation_angle[deg],flexion_angle[deg]\n";
+  for (const char* flexion : {"20", "40", "60", "80"})
+    for (const char* rotation : {"-15", "0", "15"})
+      angles += std::string(rotation) + "," + flexion + "\n";
+  folder.write("angles.csv", angles);
+  const std::string by_table = std::string(study).replace(
+      study.find("--grid"), study.find("--vary") - study.find("--grid"), "--poses angles.csv ");
+  CHECK(lines_of(command(folder, by_table + "--trials 6").out).size() == lines.size());
   // Errors grow with the noise in step, since the deviates are the same.
   const Recordings table = read_recordings(folder / "one.csv");
   const auto& rmse = table.get("flexion.A-P rmse", length).values;
@@ -214,6 +237,8 @@ TEST_CASE("study: errors in full") {
   CHECK(error(models) ==
         "talus study: no motion to apply\n  expected --grid \"angle=0:110:10; ...\" or --poses "
         "FILE\n");
+  folder.write("angles.csv", "flexion_angle[deg]\n20\n40\n");
+  CHECK(contains(error(models + "--poses angles.csv"), "rotation_angle"));
   CHECK(error(grid + "--vary joint3") ==
         "--vary joint3: no attribute with its values\n  expected "
         "element.attribute=first:last:step, or =a,b,c\n");
