@@ -97,6 +97,14 @@ class Problem {
   };
   Residuals residuals(std::span<const double> x);
 
+  // What each pose says on its own (problem_poses.cpp), poses in the order of `rows`; not for
+  // unknowns shared by groups of rows. Latent unknowns start from the given values, poses x latent.
+  void set_latents(const Eigen::MatrixXd& values);
+  // Row k: the gradient by x of half the sum of squares of pose k; latent unknowns projected out.
+  Eigen::MatrixXd scores(std::span<const double> x);
+  // Per pose: J^T J of the whitened rows by the latent unknowns.
+  std::vector<Eigen::MatrixXd> latent_information(std::span<const double> x);
+
   const Dataset& data() const;
   const Groups& groups() const;
   int rows() const;

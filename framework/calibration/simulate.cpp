@@ -6,8 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "framework/calibration/identifiability.h"
-#include "framework/calibration/problem.h"
+#include "framework/calibration/reach.h"
 #include "framework/kinematics/tape_values.h"
 #include "framework/model/quantity.h"
 
@@ -228,62 +227,15 @@ Settings settings_from(Program& program, const Recordings& recordings, int threa
     }
     return settings;
   }
-  // Inverse kinematics: the readings become unknowns of their pose, from several starts.
-  const std::vector<Reading> readings = program.readings;
-  const std::vector<Unknown> unknowns = program.unknowns;
-  program.readings.clear();
-  program.unknowns.clear();
-  for (const Reading& r : readings)
-    program.unknowns.push_back({r.sensor, r.dimension, {}, {}, r.place, r.slot});
-  for (Unknown u : unknowns) {  // the model's own unknowns stay at their start
-    u.per.clear();
-    u.start.tolerance = 1e-9 * typical_size(u.start, u.dimension);
-    program.unknowns.push_back(std::move(u));
-  }
-  std::vector<std::size_t> rows(recordings.rows());
-  for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = k;
-  ProblemOptions options;
-  options.threads = threads;
-  options.only_unknowns = true;
-  settings.poses.assign(rows.size(), {});
-  std::vector<double> best(rows.size(), std::numeric_limits<double>::infinity());
-  std::mt19937_64 random(1);
-  std::vector<double> previous;
-  for (int attempt = 0; attempt < 40; ++attempt) {
-    for (std::size_t i = 0; i < readings.size(); ++i) {
-      const auto [low, high] = readings[i].range.value_or(std::pair(-90 * deg, 90 * deg));
-      program.unknowns[i].start.value =
-          attempt == 0 ? 0.5 * (low + high)
-                       : std::uniform_real_distribution<double>(low, high)(random);
-    }
-    Problem problem(program, recordings, rows, Groups(program, recordings), options);
-    const Problem::Residuals r = problem.residuals({});
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-      const double left = r.whitened.row(static_cast<Eigen::Index>(k)).norm();
-      bool inside = true;
-      std::vector<double> pose;
-      for (std::size_t i = 0; i < readings.size(); ++i) {
-        double v = r.latent(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i));
-        if (readings[i].dimension == angle) v = std::remainder(v, 360 * deg);
-        if (readings[i].range)
-          inside &= v >= readings[i].range->first - 1e-9 && v <= readings[i].range->second + 1e-9;
-        pose.push_back(v);
-      }
-      const double score = left < 1e-3
-                               ? (inside ? 0 : 1)
-                               : 2 + left;  // reached inside its ranges, reached, not reached
-      if (score < best[k]) best[k] = score, settings.poses[k] = pose;
-    }
-    if (std::all_of(best.begin(), best.end(), [](double s) { return s == 0; })) break;
-  }
-  program.readings = readings;
-  program.unknowns = unknowns;
-  for (auto& pose : settings.poses)
-    for (const Unknown& u : unknowns) pose.push_back(u.start.value);
-  for (std::size_t k = 0; k < rows.size(); ++k)
-    if (best[k] >= 2)
+  const Reached reached = reach(program, recordings, threads);
+  settings.poses = reached.readings;
+  for (std::size_t k = 0; k < recordings.rows(); ++k) {
+    if (reached.how[k] == Reached::How::not_at_all)
       throw InputError({recordings.file, recordings.lines[k], 0},
                        "this pose cannot be reached by the linkage");
+    // The model's own unknowns stay at their start.
+    for (const Unknown& u : program.unknowns) settings.poses[k].push_back(u.start.value);
+  }
   return settings;
 }
 

@@ -18,6 +18,8 @@ int main(int argc, char** argv) {
   talus::add_calibrate(app);
   talus::add_simulate(app);
   talus::add_measure(app);
+  talus::add_axes(app);
+  talus::add_study(app);
   talus::add_plugins(app);
   talus::add_schema(app);
   talus::add_convert(app);

@@ -184,7 +184,7 @@ void Compiler::calibrate(const Element& element) {
     program_.terms.push_back(tag);
     int used = 0;
     auto use = [&](int f) {
-      if (!taken_.emplace(tag, f).second)
+      if (!taken_.emplace(tag, f).second && values.empty())
         throw InputError(
             residuals[r].place,
             fmt::format("residual '{}' of '{}' is taken twice", tag, program_.features[f].name),

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <unordered_map>
 
@@ -25,9 +26,11 @@ struct Placed {
 
 Posture::Posture(const Program& program)
     : program_(&program), slots_(program.slots, 0), frames_(program.frames.size()) {
-  std::set<int> coordinates;
-  for (const Reading& r : program.readings) coordinates.insert(r.slot);
-  for (const Unknown& u : program.unknowns) coordinates.insert(u.slot);
+  std::map<int, int> coordinates;  // slot -> number
+  for (const Reading& r : program.readings)
+    coordinates.emplace(r.slot, static_cast<int>(coordinates.size()));
+  for (const Unknown& u : program.unknowns)
+    coordinates.emplace(u.slot, static_cast<int>(coordinates.size()));
   std::vector<std::int32_t> nodes;
   auto want = [&](const Expr& e) { nodes.push_back(e.node_on(*program.tape)); };
   std::vector<Placed> placed(program.frames.size());
@@ -62,7 +65,8 @@ Posture::Posture(const Program& program)
       const Vector3<Expr> w{turn[2][1], turn[0][2], turn[1][0]}, across = cross(w, p);
       for (int i = 0; i < 3; ++i) slide[i] = derivative(9 + i) - across[i];
       for (int i = 0; i < 3; ++i) want(w[i]), want(slide[i]);
-      axes_.push_back({static_cast<int>(f), program.frames[f].name, true, {}, {}});
+      axes_.push_back(
+          {static_cast<int>(f), program.frames[f].name, true, {}, {}, coordinates.at(slot)});
     }
   }
   values_ = TapeValues(*program.tape, std::move(nodes));

@@ -23,6 +23,7 @@ struct JointAxis {
   std::string joint;                 // its name
   bool turns = true;                 // rotates about the line; otherwise slides along it
   Eigen::Vector3d point, direction;  // of the line: mm, unit vector
+  int coordinate = -1;               // which moves it: number among readings, then unknowns
 };
 
 class Posture {

@@ -139,6 +139,10 @@ const Case cases[] = {
      R"(model.xml:2:24: no residual 'positon' is known
   expected one of: closure, direction, distance, frame_points, inverse_direction_cosines, position, projection_angles, rotation_vector, vector_length
   did you mean 'position'?)"},
+    {"a residual taken twice",
+     around(R"(<calibrate residual="position" of="E"/><calibrate residual="position"/>)"),
+     R"(model.xml:2:63: residual 'position' of 'E' is taken twice
+  expected each residual of a feature once)"},
     {"too many weights", around(R"(<calibrate residual="position" of="E" weight="0.3, 0.7"/>)"),
      R"(model.xml:2:49: 2 weights for 1 residuals
   expected one weight per residual)"},
