@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
   talus::add_check(app);
   talus::add_calibrate(app);
   talus::add_simulate(app);
+  talus::add_motion(app);
   talus::add_plugins(app);
   talus::add_schema(app);
   talus::add_convert(app);
