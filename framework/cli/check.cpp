@@ -19,6 +19,13 @@ std::string chain_text(const Program& program) {
       if (program.frames[f].parent == frame) branch(static_cast<int>(f), depth + 1);
   };
   branch(0, 0);
+  if (!program.limbs.empty()) out += "Limbs\n";
+  for (const Limb& limb : program.limbs) {
+    const Unit unit = program.units.of(length);
+    const Eigen::Vector3d size = limb.size / unit.factor;
+    out += fmt::format("  {:<14} {:.4g} x {:.4g} x {:.4g} {}, at {}\n", limb.name, size.x(),
+                       size.y(), size.z(), unit.text, program.frames[limb.frame].name);
+  }
   out += "Readings\n";
   for (const Reading& r : program.readings)
     out += fmt::format("  {:<14} {:<10} {}\n", r.sensor, r.column,

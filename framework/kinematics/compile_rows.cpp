@@ -301,6 +301,8 @@ Program Compiler::run() {
       resolve(e.name(), e.place);
   }
   for (const Element& e : model_.root.children)
+    if (e.tag == "limb") limb(e);
+  for (const Element& e : model_.root.children)
     if (registry_.find(e.tag, Family::feature)) feature(e);
   bool any = false;
   for (const Element& e : model_.root.children)

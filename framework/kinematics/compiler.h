@@ -37,6 +37,10 @@ class Compiler {
   // frames (compile_frames.cpp)
   void frames();
 
+  // limbs (compile_limbs.cpp)
+  void limb(const Element& element);
+  double fixed_length(const Attribute& attribute);
+
   // features and residual rows (compile_rows.cpp)
   void feature(const Element& element);
   void calibrate(const Element& element);
