@@ -14,6 +14,7 @@ struct Options {
   Common common;
   std::string model, recordings, poses = "65", grid, of, in, angles, file = "-";
   std::vector<std::string> frames;
+  bool limbs = false;
 };
 
 MotionOptions motion_options(const Options& o, const Program& program) {
@@ -25,6 +26,10 @@ MotionOptions motion_options(const Options& o, const Program& program) {
     result.frames.push_back(parse_frame_pair(text, program, {"--frame " + text, 0, 0}));
   if (!o.angles.empty())
     result.angles = parse_named_angles(o.angles, {"--angles " + o.angles, 0, 0});
+  result.limbs = o.limbs;
+  if (o.limbs && program.limbs.empty())
+    throw InputError({o.model, 0, 0}, "the model has no limb, so --limbs has nothing to show",
+                     "<limb name=... length=... width=... height=.../>");
   return result;
 }
 
@@ -78,6 +83,8 @@ void add_motion(CLI::App& app) {
   command->add_option("--angles", o->angles,
                       "ordered rotations instead of quaternions, in (-180, 180] deg: zxy, or "
                       "\"flexion=z, internal=x, inversion=y\"");
+  command->add_flag("--limbs", o->limbs,
+                    "and the vertices, centre and axes' ends of all limbs, in the root frame");
   command->add_option("--table", o->file, "file to write (- for standard output)")
       ->capture_default_str();
   add_common(*command, o->common, true, false);

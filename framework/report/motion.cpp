@@ -68,6 +68,11 @@ std::vector<Shown> shown_frames(const Program& program, const std::vector<FrameP
   return list;
 }
 
+// The points of a limb, as their columns are named.
+std::array<std::string, 12> point_names() {
+  return {"v1", "v2", "v3", "v4", "v5", "v6", "v7", "v8", "centre", "end_x", "end_y", "end_z"};
+}
+
 class Table {
  public:
   explicit Table(const Program& program) : program_(program) {}
@@ -172,6 +177,14 @@ Recordings motion_table(const Program& program, const Settings& settings,
       for (const char* part : {".qw", ".qx", ".qy", ".qz"}) table.add(f.prefix + part, number);
     poses.emplace_back(program, f.transform);
   }
+  std::vector<PoseValues> bodies;
+  if (options.limbs)
+    for (const Limb& limb : program.limbs) {
+      for (const std::string& point : point_names())
+        for (const char* axis : {".x", ".y", ".z"})
+          table.add(limb.name + "." + point + axis, length);
+      bodies.emplace_back(program, program.between(0, limb.frame));
+    }
   for (std::size_t k = 0; k < settings.poses.size(); ++k) {
     if (counted) table.put(static_cast<double>(k + 1));
     for (const RecordedColumn* column : kept) table.put(column->values[k]);
@@ -187,6 +200,16 @@ Recordings motion_table(const Program& program, const Settings& settings,
       } else {
         for (double v : quaternion(pose.rotation)) table.put(v);
       }
+    }
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      const PlainPose pose = bodies[b](slots);
+      const LimbPoints local = points(program.limbs[b]);
+      for (int n = 0; n < local.cols(); ++n)
+        for (int i = 0; i < 3; ++i) {
+          double v = pose.translation[i];
+          for (int j = 0; j < 3; ++j) v += pose.rotation[i][j] * local(j, n);
+          table.put(v);
+        }
     }
     table.end_row();
   }

@@ -40,6 +40,9 @@ struct MotionOptions {
   // Empty: the frames of all measured features, or the last frame in the root.
   std::vector<FramePair> frames;
   std::optional<NamedAngles> angles;  // otherwise quaternions
+  // Storey's vertices matrix: the twelve points of each limb (limb.h) in the root frame, as columns
+  // LIMB.v1.x ... LIMB.v8.z, LIMB.centre.x ..., LIMB.end_x.x ... LIMB.end_z.z.
+  bool limbs = false;
 };
 
 // `from`: the recordings that the settings were recovered from, for the columns `pose` and `time`

@@ -16,8 +16,11 @@ end
 
 return talus {
   name = "Limbs and joints, Storey et al. 2006", length = "mm", angle = "deg",
-  hinge(1, "proximal", "middle", 5, 10, 66, 4, -3, 54, -2, 1),
-  hinge(2, "middle", "distal", 15, 20, 55, -3, 2, 44, 1, -2),
+  limb { name = "proximal", length = 120, width = 40, height = 30 },
+  limb { name = "middle", length = 100, width = 36, height = 28 },
+  limb { name = "distal", length = 80, width = 32, height = 24 },
+  hinge(1, "proximal", "middle", 5, 10, 56, 4, -3, 54, -2, 1),
+  hinge(2, "middle", "distal", 15, 20, 46, -3, 2, 44, 1, -2),
   encoder { name = "rotation1", sigma = 0.05, range = "-180, 180" },
   encoder { name = "rotation2", sigma = 0.05, range = "-180, 180" },
   frame { name = "middle", ["in"] = "proximal", sigma = "0.1 mm, 0.1 deg" },

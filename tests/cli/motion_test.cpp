@@ -120,6 +120,30 @@ TEST_CASE("--frame and --of --in choose the frames") {
   CHECK(table(folder, "point.xml --grid 'q=0'").find("tip.x")->values[0] == doctest::Approx(110));
 }
 
+TEST_CASE("--limbs: the twelve points of every limb, in the root frame") {
+  const Folder folder;
+  const std::string limbs = "'" + shipped("limbs-storey-2006/model.xml") + "' ",
+                    positions = "'" + shipped("limbs-storey-2006/positions.csv") + "'";
+  const Recordings moved = table(folder, limbs + positions + " --limbs");
+  REQUIRE(moved.rows() == 6);
+  CHECK(moved.find("pose")->values[0] == 0);  // the recordings' own numbers
+  const Program program = program_of(shipped("limbs-storey-2006/model.xml"));
+  CHECK(moved.columns.size() == 3 + 2 * 7 + 36 * program.limbs.size());
+  auto at = [&](const std::string& point, std::size_t k) {
+    Eigen::Vector3d p;
+    for (int i = 0; i < 3; ++i) p[i] = moved.find(point + "." + "xyz"[i])->values[k];
+    return p;
+  };
+  for (std::size_t k = 0; k < 6; ++k) {
+    const Eigen::Vector3d centre = at("distal.centre", k), x = at("distal.end_x", k) - centre;
+    CHECK((centre - at("distal", k)).norm() < 1e-12);  // its frame is at its centre
+    CHECK(x.norm() == doctest::Approx(40));
+    CHECK((at("distal.v1", k) + at("distal.v7", k) - 2 * centre).norm() < 1e-12);
+    CHECK((at("proximal.v3", k) - Eigen::Vector3d(60, 20, -15)).norm() < 1e-12);
+  }
+  CHECK(motion(folder, isl + " --limbs").code == 2);
+}
+
 TEST_CASE("what motion is told off for") {
   const Folder folder;
   folder.write("other.csv", "pose,theta1[deg]\n1,3\n2,4\n");
