@@ -47,6 +47,7 @@ void add_motion(CLI::App& app);
 void add_plugins(CLI::App& app);
 void add_schema(CLI::App& app);
 void add_convert(CLI::App& app);
+void add_draw(CLI::App& app);
 
 // What the chosen command ended with: 0 done, 1 not converged or nothing usable.
 int& exit_code();

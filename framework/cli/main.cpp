@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
   talus::add_plugins(app);
   talus::add_schema(app);
   talus::add_convert(app);
+  talus::add_draw(app);
   try {
     if (argc > 1 && argv[1][0] != '-') {  // a command that does not exist: the nearest one
       std::vector<std::string> names;
