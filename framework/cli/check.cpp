@@ -1,10 +1,14 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "framework/calibration/fit.h"
+#include "framework/calibration/settings.h"
 #include "framework/cli/commands.h"
 #include "framework/report/report.h"
+#include "framework/kinematics/posture.h"
 
 namespace talus {
 namespace {
@@ -20,6 +24,13 @@ std::string chain_text(const Program& program) {
       if (program.frames[f].parent == frame) branch(static_cast<int>(f), depth + 1);
   };
   branch(0, 0);
+  if (!program.limbs.empty()) out += "Limbs\n";
+  for (const Limb& limb : program.limbs) {
+    const Unit unit = program.units.of(length);
+    const Eigen::Vector3d size = limb.size / unit.factor;
+    out += fmt::format("  {:<14} {:.4g} x {:.4g} x {:.4g} {}, at {}\n", limb.name, size.x(),
+                       size.y(), size.z(), unit.text, program.frames[limb.frame].name);
+  }
   out += "Readings\n";
   for (const Reading& r : program.readings)
     out += fmt::format("  {:<14} {:<10} {}\n", r.sensor, r.column,
@@ -46,11 +57,41 @@ std::string chain_text(const Program& program) {
   return out;
 }
 
+// Angle and shortest distance between the axes of joints that follow each other along the tree,
+// with readings at zero and unknowns at their start.
+std::string axes_text(const Program& program) {
+  Posture posture(program);
+  std::vector<double> rest;
+  for (const Coordinate& c : coordinates(program)) rest.push_back(c.rest);
+  posture.set(rest);
+  const std::vector<JointAxis>& axes = posture.axes();
+  const Unit mm = program.units.length, degrees = program.units.angle;
+  std::string out;
+  for (std::size_t b = 0; b < axes.size(); ++b) {
+    // The nearest joint before it that moves; several coordinates of one joint are taken in turn.
+    const JointAxis* before = nullptr;
+    for (int f = axes[b].frame; f >= 0 && !before; f = program.frames[f].parent)
+      for (std::size_t a = b; a-- > 0 && !before;)
+        if (axes[a].frame == f) before = &axes[a];
+    if (!before) continue;
+    const Apart between = apart(*before, axes[b]);
+    const double acute = std::min(between.angle, 180 * deg - between.angle);
+    if (!std::isfinite(acute) || !std::isfinite(between.distance)) continue;
+    auto shown = [](double v) { return v < 1e-9 ? 0 : v; };  // rounding is not a distance
+    if (before->frame == axes[b].frame && shown(acute) == 0 && shown(between.distance) == 0)
+      continue;  // two coordinates that turn one joint about one axis
+    out += fmt::format("  {:<30} {:>10.4g} {} {:>12.4g} {}\n",
+                       before->joint + " - " + axes[b].joint, shown(acute) / degrees.factor,
+                       degrees.text, shown(between.distance) / mm.factor, mm.text);
+  }
+  return out.empty() ? out : "Joint axes: angle and distance, readings at zero\n" + out;
+}
+
 void run(const std::string& model_file, const std::string& recordings_file,
          const std::string& points_file, const Common& common) {
   Registry registry = common.registry();
   const Program program = compile(open_model(model_file, registry, common), registry);
-  fmt::print("{}\n{}", program.name, chain_text(program));
+  fmt::print("{}\n{}{}", program.name, chain_text(program), axes_text(program));
   if (recordings_file.empty()) return;
   const Measured measured = open_recordings(program, recordings_file, points_file);
   const Recordings& recordings = measured.recordings;

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "framework/calibration/settings.h"
 #include "framework/dsl/dsl.h"
 #include "framework/kinematics/program.h"
 #include "framework/metrology/measure.h"
@@ -35,6 +37,11 @@ void add_points(CLI::App& command, std::string& points_file);  // --points
 // <calibrate>).
 Model open_model(const std::string& file, Registry& registry, const Common& common);
 
+// Every combination of `grid`, or as many random poses as `poses` says; nothing where `poses` is
+// the name of a table.
+std::optional<Settings> drawn_settings(const Program& program, const std::string& poses,
+                                       const std::string& grid, std::uint64_t seed);
+
 // Writes to a file beside which nothing is left half done, or to standard output for "-".
 // Early, before anything is computed: InputError where `file` could not be written.
 void check_writable(const std::string& file);
@@ -44,11 +51,13 @@ void add_measure(CLI::App& app);
 void add_check(CLI::App& app);
 void add_calibrate(CLI::App& app);
 void add_simulate(CLI::App& app);
+void add_motion(CLI::App& app);
 void add_plugins(CLI::App& app);
 void add_schema(CLI::App& app);
 void add_convert(CLI::App& app);
 void add_axes(CLI::App& app);
 void add_study(CLI::App& app);
+void add_draw(CLI::App& app);
 
 // What the chosen command ended with: 0 done, 1 not converged or nothing usable.
 int& exit_code();

@@ -117,6 +117,16 @@ void add_points(CLI::App& command, std::string& points_file) {
       ->type_name("FILE");
 }
 
+std::optional<Settings> drawn_settings(const Program& program, const std::string& poses,
+                                       const std::string& grid, std::uint64_t seed) {
+  if (!grid.empty()) return grid_settings(program, grid);
+  if (poses.empty() || poses.find_first_not_of("0123456789") != std::string::npos) return {};
+  if (poses.size() > 7 || std::stoi(poses) == 0 || std::stoi(poses) > 1000000)
+    throw InputError({"--poses " + poses, 0, 0}, "no such number of poses",
+                     "1 to 1000000, or a CSV file");
+  return random_settings(program, std::stoi(poses), seed);
+}
+
 void check_writable(const std::string& file) {
   if (file.empty() || file == "-") return;
   const std::filesystem::path path(file),

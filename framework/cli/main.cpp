@@ -20,9 +20,11 @@ int main(int argc, char** argv) {
   talus::add_measure(app);
   talus::add_axes(app);
   talus::add_study(app);
+  talus::add_motion(app);
   talus::add_plugins(app);
   talus::add_schema(app);
   talus::add_convert(app);
+  talus::add_draw(app);
   try {
     if (argc > 1 && argv[1][0] != '-') {  // a command that does not exist: the nearest one
       std::vector<std::string> names;

@@ -19,19 +19,11 @@ void run(const Options& o) {
   check_writable(o.points);
   Registry registry = o.common.registry();
   Program program = compile(open_model(o.model, registry, o.common), registry);
-  Settings settings;
-  if (!o.grid.empty()) {
-    settings = grid_settings(program, o.grid);
-  } else if (!o.poses.empty() && o.poses.find_first_not_of("0123456789") == std::string::npos) {
-    if (o.poses.size() > 7 || std::stoi(o.poses) == 0 || std::stoi(o.poses) > 1000000)
-      throw InputError({"--poses " + o.poses, 0, 0}, "no such number of poses",
-                       "1 to 1000000, or a CSV file");
-    settings = random_settings(program, std::stoi(o.poses), o.common.seed);
-  } else {
+  std::optional<Settings> settings = drawn_settings(program, o.poses, o.grid, o.common.seed);
+  if (!settings)
     settings = settings_from(program, read_recordings(o.poses), o.common.thread_count());
-  }
   Recordings recordings =
-      simulate(program, settings, {o.common.seed, o.noise, o.common.thread_count()});
+      simulate(program, *settings, {o.common.seed, o.noise, o.common.thread_count()});
   const std::string origin =
       fmt::format("# simulated from {} by talus {}, seed {}, noise {:g} times the stated sigmas\n",
                   o.model, TALUS_VERSION, o.common.seed, o.noise);
@@ -46,7 +38,7 @@ void run(const Options& o) {
             return column.name == program.columns[c].name;
           });
     put(o.points,
-        origin + write_points(simulate_points(program, settings.poses, o.common.seed, o.noise)));
+        origin + write_points(simulate_points(program, settings->poses, o.common.seed, o.noise)));
   }
   put(o.file, origin + write_recordings(recordings));
 }

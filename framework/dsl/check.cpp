@@ -136,8 +136,8 @@ class Checker {
     }
   }
 
-  // Expressions call joints, sensors and numbers by name; a measured feature may be named like the
-  // frame it belongs to.
+  // Expressions call joints, sensors and numbers by name; a measured feature and a limb may be
+  // named like the frame they belong to.
   void name(const Element& e) {
     const Attribute* a = e.find("name");
     if (!a) return;
@@ -147,7 +147,9 @@ class Checker {
     if (!word)
       throw InputError(a->place, fmt::format("'{}' cannot be a name", a->text),
                        "letters, digits and '_', with no digit first");
-    auto& taken = registry_.find(e.tag, Family::feature) ? features_ : names_;
+    auto& taken = registry_.find(e.tag, Family::feature) ? features_
+                  : e.tag == "limb"                      ? limbs_
+                                                         : names_;
     auto [other, fresh] = taken.try_emplace(a->text, &e);
     if (!fresh)
       throw InputError(a->place, fmt::format("the name '{}' is given twice", a->text),
@@ -156,7 +158,7 @@ class Checker {
   }
 
   const Registry& registry_;
-  std::map<std::string, const Element*> names_, features_;
+  std::map<std::string, const Element*> names_, features_, limbs_;
 };
 
 }  // namespace

@@ -38,7 +38,8 @@ Compiler::Compiler(const Model& model, const Registry& registry)
 }
 
 void Compiler::collect(const Element& element) {
-  if (&element != &model_.root && !element.name().empty()) named_.emplace(element.name(), &element);
+  if (&element != &model_.root && !element.name().empty() && element.tag != "limb")
+    named_.emplace(element.name(), &element);
   for (const Element& child : element.children) collect(child);
 }
 

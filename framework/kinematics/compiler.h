@@ -43,6 +43,10 @@ class Compiler {
   Probed probed(const Element& element, Kind kind) const;
   int find_shape(const Attribute& word) const;
 
+  // limbs (compile_limbs.cpp)
+  void limb(const Element& element);
+  double fixed_length(const Attribute& attribute);
+
   // features and residual rows (compile_rows.cpp)
   void feature(const Element& element);
   void calibrate(const Element& element);

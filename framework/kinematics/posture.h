@@ -39,6 +39,7 @@ class Posture {
   Eigen::Isometry3d between(int in, int at) const {                           // T_in_at
     return frames_[in].inverse() * frames_[at];
   }
+  const std::vector<double>& slots() const { return slots_; }  // what was set, by slot
   // One per joint and coordinate that moves it, in the order of the frames.
   const std::vector<JointAxis>& axes() const { return axes_; }
 

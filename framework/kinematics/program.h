@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/kinematics/limb.h"
 #include "framework/kinematics/rigid.h"
 #include "framework/model/model.h"
 #include "framework/model/quantity.h"
@@ -159,6 +160,7 @@ struct Program {
   std::vector<MeasuredColumn> columns;
   std::vector<Frame> frames;
   std::map<std::string, int> frame_index;  // aliases included
+  std::vector<Limb> limbs;
   std::vector<Chain> chains;
   std::vector<Shape> shapes;
   std::vector<Datum> datums;

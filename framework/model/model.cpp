@@ -16,11 +16,17 @@ std::string Element::text(std::string_view attribute, std::string_view otherwise
 }
 
 Element* Element::find_named(std::string_view name) {
+  Element* limb = nullptr;
   for (Element& child : children) {
-    if (child.name() == name) return &child;
-    if (Element* found = child.find_named(name)) return found;
+    if (child.name() != name) {
+      if (Element* found = child.find_named(name)) return found;
+    } else if (child.tag != "limb") {
+      return &child;
+    } else {
+      limb = &child;
+    }
   }
-  return nullptr;
+  return limb;
 }
 
 void Element::set(std::string_view attribute, std::string text) {

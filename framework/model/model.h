@@ -30,7 +30,8 @@ struct Element {
   const Attribute* find(std::string_view attribute) const;
   std::string text(std::string_view attribute, std::string_view otherwise = {}) const;
   std::string name() const { return text("name"); }
-  Element* find_named(std::string_view name);              // among all below
+  // Among all below; a limb only where nothing else has the name, since it may have its frame's.
+  Element* find_named(std::string_view name);
   void set(std::string_view attribute, std::string text);  // keeps the place of what it replaces
 };
 

@@ -44,6 +44,14 @@ const Case cases[] = {
     {"a misspelt tag", in_chain(R"(<mout name="base"/>)"),
      R"(arm.xml:3:5: no element <mout> is known
   did you mean 'mount'?)"},
+    {"a limb without its height", beside_chain(R"(<limb name="shank" length="1" width="1"/>)"),
+     R"(arm.xml:2:3: <limb name="shank"> lacks the attribute 'height'
+  expected height: its edge along z)"},
+    {"two limbs of one name",
+     beside_chain(
+         R"(<limb name="a" length="1" width="1" height="1"/><limb name="a" length="1" width="1" height="1"/>)"),
+     R"(arm.xml:2:63: the name 'a' is given twice
+  expected another one than that of <limb> at arm.xml:2:3)"},
     {"a joint outside a chain", beside_chain(R"(<dh name="j1" theta="q"/>)"),
      R"(arm.xml:2:3: <dh name="j1"> may not stand inside <talus>
   expected it inside a <chain>)"},

@@ -188,6 +188,30 @@ const Case cases[] = {
      around(R"(<sphere name="ball"/><frame name="F" at="E" probed="ball"/>)"),
      R"(model.xml:2:55: 'ball' is a sphere
   expected a datum: a frame is measured)"},
+    {"a limb at no frame",
+     around(R"(<limb name="shank" at="jont1" length="1" width="1" height="1"/>)"),
+     R"(model.xml:2:26: no frame 'jont1'
+  expected one of: B, E, joint1, joint2
+  did you mean 'joint1'?)"},
+    {"a limb whose own name is no frame",
+     around(R"(<limb name="joint3" length="1" width="1" height="1"/>)"),
+     R"(model.xml:2:15: no frame 'joint3'
+  expected one of: B, E, joint1, joint2
+  did you mean 'joint1'?)"},
+    {"a limb of no length", around(R"(<limb name="E" length="0" width="1" height="1"/>)"),
+     R"(model.xml:2:26: length="0"
+  expected more than zero)"},
+    {"a limb's edge in degrees", around(R"(<limb name="E" length="9 deg" width="1" height="1"/>)"),
+     R"(model.xml:2:28: 'deg' measures an angle
+  expected a length (mm, m, um, cm, in))"},
+    {"a limb's edge to be calibrated",
+     around(R"(<limb name="E" length="9 ± 1" width="1" height="1"/>)"),
+     R"(model.xml:2:26: length="9 ± 1" is free
+  expected a length that is not calibrated, such as 60 mm)"},
+    {"a limb's edge that is calibrated elsewhere",
+     around(R"(<limb name="E" length="1" width="1" height="joint1.a"/>)"),
+     R"(model.xml:2:47: height="joint1.a" is no fixed number
+  expected a length that is not calibrated, such as 60 mm)"},
     {"a kind nobody knows", around(R"(<parameter name="L" kind="lenght" value="3"/>)"),
      R"(model.xml:2:29: kind="lenght"
   expected length, angle, number or a unit)"},

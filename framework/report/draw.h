@@ -1,0 +1,41 @@
+// Pictures of a linkage, pose after pose: what `talus draw` shows. All pictures of one call share
+// their view and their scale.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "framework/calibration/simulate.h"
+#include "framework/report/draw_picture.h"
+
+namespace talus {
+
+struct DrawOptions {
+  std::string view = "-60, 25", up = "z";
+  std::string hold;                 // the frame that stands still; default the root
+  std::vector<std::string> frames;  // shown as triads; default the main ones; "all"
+  double width = 1000, height = 750;
+  std::vector<std::string> titles;  // before the coordinates of each pose: "row 3"
+};
+
+// Every coordinate at zero, or in the middle of its range where zero is outside; unknowns at their
+// start.
+std::vector<double> resting_pose(const Program& program);
+
+// `between` poses between every two that follow each other; angles turn the shorter way.
+Settings interpolated(const Program& program, const Settings& settings, int between);
+
+// The pose of another linkage whose coordinates have the values of those of the same name (of the
+// sensor or its column, or of the unknown); what has no namesake rests. InputError where none has.
+Settings same_poses(const Program& program, const Settings& settings, const Program& other,
+                    const Place& place);
+
+// The linkage at each pose, and the ghosts at theirs. InputError where it has no place at a pose.
+struct DrawnLinkage {
+  const Program* program;
+  Settings settings;
+};
+std::vector<Picture> draw(const DrawnLinkage& linkage, const std::vector<DrawnLinkage>& ghosts,
+                          const DrawOptions& options);
+
+}  // namespace talus

@@ -1,0 +1,71 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "framework/report/draw.h"
+
+namespace talus {
+
+std::vector<double> resting_pose(const Program& program) {
+  std::vector<double> pose;
+  for (const Reading& r : program.readings) {
+    const bool outside = r.range && (r.range->first > 0 || r.range->second < 0);
+    pose.push_back(outside ? (r.range->first + r.range->second) / 2 : 0);
+  }
+  for (const Unknown& u : program.unknowns) pose.push_back(u.start.value);
+  return pose;
+}
+
+Settings interpolated(const Program& program, const Settings& settings, int between) {
+  std::vector<bool> turns;
+  for (const Reading& r : program.readings) turns.push_back(r.dimension == angle);
+  for (const Unknown& u : program.unknowns) turns.push_back(u.dimension == angle);
+  Settings result;
+  for (std::size_t k = 0; k + 1 < settings.poses.size(); ++k)
+    for (int i = 0; i <= between; ++i) {
+      const double share = i / (between + 1.0);
+      auto& pose = result.poses.emplace_back(settings.poses[k]);
+      for (std::size_t c = 0; c < pose.size(); ++c) {
+        double step = settings.poses[k + 1][c] - pose[c];
+        if (turns[c]) step = std::remainder(step, 360 * deg);
+        pose[c] += share * step;
+      }
+    }
+  if (!settings.poses.empty()) result.poses.push_back(settings.poses.back());
+  return result;
+}
+
+Settings same_poses(const Program& program, const Settings& settings, const Program& other,
+                    const Place& place) {
+  std::vector<std::vector<std::string>> names;  // of each coordinate of `program`
+  for (const Reading& r : program.readings) names.push_back({r.column, r.sensor});
+  for (const Unknown& u : program.unknowns) names.push_back({u.name});
+  auto find = [&](const std::vector<std::string>& wanted) {
+    for (const std::string& w : wanted)
+      for (std::size_t i = 0; i < names.size(); ++i)
+        if (std::find(names[i].begin(), names[i].end(), w) != names[i].end())
+          return static_cast<int>(i);
+    return -1;
+  };
+  std::vector<int> from;
+  std::vector<std::string> theirs, ours;
+  for (const Reading& r : other.readings)
+    from.push_back(find({r.column, r.sensor})), theirs.push_back(r.sensor);
+  for (const Unknown& u : other.unknowns) from.push_back(find({u.name})), theirs.push_back(u.name);
+  for (const auto& n : names) ours.push_back(n.back());
+  if (!from.empty() && !names.empty() &&
+      std::all_of(from.begin(), from.end(), [](int i) { return i < 0; }))
+    throw InputError(place, "its coordinates are " + join(theirs),
+                     "one or more of those of the model: " + join(ours));
+  Settings result;
+  const std::vector<double> rest = resting_pose(other);
+  for (const auto& pose : settings.poses) {
+    auto& to = result.poses.emplace_back(rest);
+    for (std::size_t i = 0; i < from.size(); ++i)
+      if (from[i] >= 0) to[i] = pose[from[i]];
+  }
+  return result;
+}
+
+}  // namespace talus
