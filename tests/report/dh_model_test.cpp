@@ -76,7 +76,8 @@ TEST_CASE("shipped chains of hinges keep their measured frames, to 1e-9") {
                                                 {"knee-two-axis/step-up.xml", 1},
                                                 {"device-nordquist-2009/published.xml", 3},
                                                 {"mount-altaz/model.xml", 2}}) {
-    CAPTURE(file);
+    const std::string name = file;
+    CAPTURE(name);
     const Model model = model_of(shipped(file)), dh = converted(model);
     CHECK(farthest(model, dh) < 1e-9);
     CHECK(joints_called(dh, "dh") == hinges);
