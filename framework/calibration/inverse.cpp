@@ -132,7 +132,7 @@ Recovered recover(Program& program, const Recordings& recordings, Reach reach, i
     const int slot = sensed ? readings[i].slot : unknown->slot;
     if (solve[i]) {
       Unknown u = sensed ? Unknown{c.name, c.dimension, {}, {}, readings[i].place, slot} : *unknown;
-      if (reach == Reach::exactly) u.start.tolerance.reset();
+      if (reach != Reach::nearest) u.start.tolerance.reset();
       if (sensed && c.range) u.start.value = 0.5 * (c.range->first + c.range->second);
       const double far = c.dimension == angle ? 150 * deg : 3 * typical_size(u.start, c.dimension);
       scatter.push_back(sensed && readings[i].range ? *readings[i].range
@@ -158,6 +158,7 @@ Recovered recover(Program& program, const Recordings& recordings, Reach reach, i
                          ? recordings.get(list[i].column, list[i].dimension).values[k]
                          : list[i].rest);
   }
+  result.how.assign(recordings.rows(), Recovered::How::inside);
   if (index.empty()) return result;
 
   ProblemOptions options;
@@ -169,7 +170,7 @@ Recovered recover(Program& program, const Recordings& recordings, Reach reach, i
   const Plan plan = plan_for(program, groups, options);
   std::vector<Solution> best(rows.size());
   std::mt19937_64 random(1);
-  for (int attempt = 0; attempt < (reach == Reach::exactly ? 40 : 8); ++attempt) {
+  for (int attempt = 0; attempt < (reach != Reach::nearest ? 40 : 8); ++attempt) {
     if (attempt > 0)
       for (std::size_t j = 0; j < index.size(); ++j)
         program.unknowns[j].start.value =
@@ -204,6 +205,10 @@ Recovered recover(Program& program, const Recordings& recordings, Reach reach, i
       throw InputError(place, "this pose lacks measured values");
     if (reach == Reach::exactly && best[k].left >= kReached)
       throw InputError(place, "this pose cannot be reached by the linkage");
+    if (!complete || best[k].left >= kReached)
+      result.how[k] = Recovered::How::not_at_all;
+    else if (!best[k].inside)
+      result.how[k] = Recovered::How::outside;
     for (std::size_t j = 0; j < index.size(); ++j)
       result.settings.poses[k][index[j]] =
           complete ? best[k].values[j] : std::numeric_limits<double>::quiet_NaN();
@@ -211,6 +216,10 @@ Recovered recover(Program& program, const Recordings& recordings, Reach reach, i
   }
   result.misfit = count > 0 ? std::sqrt(squares / count) : 0;
   return result;
+}
+
+std::size_t Recovered::count(How which) const {
+  return static_cast<std::size_t>(std::count(how.begin(), how.end(), which));
 }
 
 Settings settings_from(Program& program, const Recordings& recordings, int threads) {

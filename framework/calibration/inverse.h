@@ -19,13 +19,17 @@ namespace talus {
 
 enum class Reach {
   exactly,  // a pose that cannot be reached, or is incomplete, is an InputError that names its line
-  nearest,  // least squares, as a calibration weighs the residuals; priors of unknowns count
+  if_possible,  // the same, but such a pose is only marked
+  nearest,      // least squares, as a calibration weighs the residuals; priors of unknowns count
 };
 
 struct Recovered {
   Settings settings;                // NaN where a row lacks the values
   std::vector<std::string> solved;  // names of the coordinates found from the measured features
   double misfit = 0;                // root mean square of the weighted residuals left
+  enum class How { inside, outside, not_at_all };  // the sensors' ranges
+  std::vector<How> how;                            // how each pose was reached
+  std::size_t count(How which) const;
 };
 
 // `program` is changed while this runs and is as before afterwards.

@@ -91,13 +91,13 @@ std::vector<double> StudiedMotion::errors(AxisFinder& finder,
 StudiedDesign::StudiedDesign(Program& linkage, const StudiedMotion& motion, int threads)
     : linkage_(&linkage),
       motion_(&motion),
-      reached_(reach(linkage, motion.poses(), threads)),
+      reached_(recover(linkage, motion.poses(), Reach::if_possible, threads)),
       poses_(linkage, motion.finder().feature()) {}
 
 StudyRow StudiedDesign::run(double noise, std::uint64_t design, const StudyOptions& options) const {
   StudyRow row;
-  row.outside = reached_.count(Reached::How::outside);
-  row.unreachable = reached_.count(Reached::How::not_at_all);
+  row.outside = reached_.count(Recovered::How::outside);
+  row.unreachable = reached_.count(Recovered::How::not_at_all);
   const std::size_t numbers = 4 * motion_->finder().hinges().size();
   row.rmse.assign(numbers, std::nan(""));
   row.error.assign(numbers, std::nan(""));
@@ -116,8 +116,8 @@ StudyRow StudiedDesign::run(double noise, std::uint64_t design, const StudyOptio
     std::mt19937_64 random(mixed(options.seed, design, static_cast<std::uint64_t>(trial)));
     std::normal_distribution<double> normal;
     std::vector<Eigen::Isometry3d> measured;
-    for (std::vector<double> readings : reached_.readings) {
-      for (std::size_t i = 0; i < readings.size(); ++i)
+    for (std::vector<double> readings : reached_.settings.poses) {
+      for (std::size_t i = 0; i < linkage_->readings.size(); ++i)
         if (linkage_->readings[i].dimension == angle) readings[i] += noise * normal(random);
       measured.push_back(own.linkage(readings));
     }

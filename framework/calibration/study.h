@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "framework/calibration/axes.h"
+#include "framework/calibration/inverse.h"
 #include "framework/calibration/linkage_poses.h"
-#include "framework/calibration/reach.h"
 #include "framework/calibration/simulate.h"
 
 namespace talus {
@@ -74,7 +74,7 @@ class StudiedDesign {
  private:
   const Program* linkage_;
   const StudiedMotion* motion_;
-  Reached reached_;
+  Recovered reached_;
   LinkagePoses poses_;
 };
 

@@ -7,8 +7,8 @@
 #include "framework/calibration/fit.h"
 #include "framework/calibration/settings.h"
 #include "framework/cli/commands.h"
-#include "framework/report/report.h"
 #include "framework/kinematics/posture.h"
+#include "framework/report/report.h"
 
 namespace talus {
 namespace {

@@ -53,7 +53,7 @@ int Compiler::find_shape(const Attribute& word) const {
 
 void Compiler::shape(const Element& element) {
   const Plugin& plugin = *registry_.find(element.tag, Family::shape);
-  Shape s{element.name(), element.tag, plugin.declaration, plugin.deviations};
+  ProbedShape s{element.name(), element.tag, plugin.declaration, plugin.deviations};
   s.place = element.place;
   if (const Attribute* on = element.find("on")) {
     s.on = find_shape(*on);

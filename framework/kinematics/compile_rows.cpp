@@ -312,6 +312,7 @@ Program Compiler::run() {
     if (registry_.find(e.tag, Family::shape)) shape(e);
   for (const Element& e : model_.root.children)
     if (e.tag == "datum") datum(e);
+  for (const Element& e : model_.root.children)
     if (e.tag == "limb") limb(e);
   for (const Element& e : model_.root.children)
     if (registry_.find(e.tag, Family::feature)) feature(e);

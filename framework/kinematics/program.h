@@ -81,7 +81,7 @@ struct Chain {
 
 // A shape probed by a coordinate measuring machine, and how its points make it (see
 // framework/metrology).
-struct Shape {
+struct ProbedShape {
   std::string name, tag;
   Declaration declaration;
   std::function<std::vector<Expr>(const Vector3<Expr>&, const Expr&)> deviations;
@@ -162,7 +162,7 @@ struct Program {
   std::map<std::string, int> frame_index;  // aliases included
   std::vector<Limb> limbs;
   std::vector<Chain> chains;
-  std::vector<Shape> shapes;
+  std::vector<ProbedShape> shapes;
   std::vector<Datum> datums;
   std::vector<Feature> features;
   std::vector<Row> rows;

@@ -21,7 +21,7 @@ using OfPose = std::vector<std::vector<const Points::Row*>>;
 
 std::map<double, OfPose> by_pose(const Program& program, const Points& points) {
   std::vector<std::string> names;
-  for (const Shape& s : program.shapes) names.push_back(s.name);
+  for (const ProbedShape& s : program.shapes) names.push_back(s.name);
   std::map<double, OfPose> result;
   for (const Points::Row& row : points.rows) {
     const auto it = std::find(names.begin(), names.end(), row.feature);
@@ -50,7 +50,7 @@ class Pose {
     for (const auto& list : points) raw_ += 3 * static_cast<Eigen::Index>(list.size());
     Eigen::Index next = 0;
     for (std::size_t s = 0; s < program.shapes.size(); ++s) {
-      const Shape& shape = program.shapes[s];
+      const ProbedShape& shape = program.shapes[s];
       std::vector<Derived> at;
       for (const Points::Row* row : points[s]) {
         Derived p{{row->at[0], row->at[1], row->at[2]}, Eigen::Matrix3Xd::Zero(3, raw_)};
@@ -132,7 +132,7 @@ std::vector<ShapeQuality> qualities(const Program& program, const std::vector<Po
   double all_squares = 0;
   int all_surplus = 0;
   for (std::size_t s = 0; s < program.shapes.size(); ++s) {
-    const Shape& shape = program.shapes[s];
+    const ProbedShape& shape = program.shapes[s];
     ShapeQuality q{shape.name, shape.tag};
     double squares = 0;
     int surplus = 0;
@@ -258,13 +258,13 @@ Points simulate_points(const Program& program, const std::vector<std::vector<dou
   std::normal_distribution<double> normal;
   Posture posture(program);
   Points points;
-  for (const Shape& s : program.shapes)
+  for (const ProbedShape& s : program.shapes)
     if (s.through.empty() && s.probe.empty())
       throw InputError(s.place, fmt::format("'{}' cannot be simulated", s.name),
                        "where it is probed: at=\"frame\" probe=\"x, y, z; x, y, z; ...\"");
   for (std::size_t k = 0; k < poses.size(); ++k) {
     posture.set(poses[k]);
-    for (const Shape& s : program.shapes)
+    for (const ProbedShape& s : program.shapes)
       for (const Vector3<double>& p : s.probe) {
         const Eigen::Vector3d at = posture.frame(s.frame) * Eigen::Vector3d(p[0], p[1], p[2]);
         Points::Row row{0, static_cast<double>(k + 1), s.name};

@@ -30,7 +30,7 @@ Eigen::Matrix3d any_frame_along(const Vector3d& z) {
 
 }  // namespace
 
-ShapeFitter::ShapeFitter(const Shape& shape) : shape_(&shape) {
+ShapeFitter::ShapeFitter(const ProbedShape& shape) : shape_(&shape) {
   std::array<Expr, kUnknowns + 3> s;
   for (int i = 0; i < kUnknowns + 3; ++i) s[i] = Expr::leaf(tape_, i);
   const Vector3<Expr> p{s[6] - s[0], s[7] - s[1], s[8] - s[2]};

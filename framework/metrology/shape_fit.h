@@ -35,12 +35,12 @@ struct FittedShape {
 
 class ShapeFitter {
  public:
-  explicit ShapeFitter(const Shape& shape);
+  explicit ShapeFitter(const ProbedShape& shape);
   FittedShape fit(const std::vector<Derived>& points) const;
 
  private:
   struct Cost;
-  const Shape* shape_;
+  const ProbedShape* shape_;
   Tape tape_;
   int per_point_ = 0;
   bool has_radius_ = false;

@@ -14,14 +14,15 @@ using Eigen::Vector3d;
 
 namespace {
 
-Shape shape_of(const std::string& tag) {
+ProbedShape shape_of(const std::string& tag) {
   const Plugin& plugin = *Registry::built_in().find(tag, Family::shape);
   return {tag, tag, plugin.declaration, plugin.deviations};
 }
 
 // Points at which all deviations vanish: Newton's method from random points of the shape's own
 // frame, ordered as the sense of its axis asks.
-std::vector<Vector3d> points_on(const Shape& shape, double radius, int count, Random& random) {
+std::vector<Vector3d> points_on(const ProbedShape& shape, double radius, int count,
+                                Random& random) {
   Tape tape;
   std::array<Expr, 3> p;
   for (int i = 0; i < 3; ++i) p[i] = Expr::leaf(tape, i);
@@ -76,7 +77,7 @@ TEST_CASE("every shape is found again from points on it, wherever it lies") {
   REQUIRE(tags.size() >= 5);
   for (const std::string& tag : tags) {
     CAPTURE(tag);
-    const Shape shape = shape_of(tag);
+    const ProbedShape shape = shape_of(tag);
     const ShapeFitter fitter(shape);
     for (int trial = 0; trial < 20; ++trial) {
       const double radius = between(random, 5, 20);
@@ -104,7 +105,7 @@ TEST_CASE("how a fitted shape follows its points agrees with differences") {
   Random random(8);
   for (const std::string& tag : Registry::built_in().tags(Family::shape)) {
     CAPTURE(tag);
-    const Shape shape = shape_of(tag);
+    const ProbedShape shape = shape_of(tag);
     const ShapeFitter fitter(shape);
     const auto points = points_on(shape, 12, 9, random);
     const FittedShape at = fitter.fit(own(points));
@@ -128,7 +129,7 @@ TEST_CASE("how a fitted shape follows its points agrees with differences") {
 TEST_CASE("points that do not determine a shape, or fit two, are recognised") {
   const ShapeFitter plane(shape_of("plane"));
   CHECK(!plane.fit(own({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}})).determined);
-  const Shape cylinder = shape_of("cylinder");
+  const ProbedShape cylinder = shape_of("cylinder");
   std::vector<Vector3d> box;
   for (double z : {5.0, 30.0})
     for (auto [x, y] : {std::pair{12.0, 0.0}, {0.0, 12.0}, {-12.0, 0.0}, {0.0, -12.0}})
@@ -137,7 +138,7 @@ TEST_CASE("points that do not determine a shape, or fit two, are recognised") {
 }
 
 TEST_CASE("a known radius is held") {
-  Shape sphere = shape_of("sphere");
+  ProbedShape sphere = shape_of("sphere");
   sphere.radius = 5;
   const FittedShape fit = ShapeFitter(sphere).fit(
       own({{5.1, 0, 0}, {-5.1, 0, 0}, {0, 5.1, 0}, {0, -5.1, 0}, {0, 0, 5.1}}));
