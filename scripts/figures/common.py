@@ -1,5 +1,5 @@
 """What the scripts in this folder share: running the command and reading its JSON."""
-import json, math, os, pathlib, subprocess, tempfile
+import csv, json, math, os, pathlib, re, shutil, subprocess, tempfile
 
 root = pathlib.Path(__file__).resolve().parents[2]
 talus = os.environ.get("TALUS", str(root / "build/talus"))
@@ -18,6 +18,22 @@ def calibrate(model, recordings, *more):
         file = pathlib.Path(folder, "fit.json")
         run("calibrate", model, recordings, *more, "--quiet", "--out", folder, "--json", file, allowed=(0, 1))
         return json.loads(file.read_text(encoding="utf-8"))
+
+
+def free(model, folder):
+    """A copy of a model in which every tolerance is a `?`: free, and no prior, as in the papers."""
+    source, copy = pathlib.Path(root, model), pathlib.Path(folder, pathlib.Path(model).name)
+    copy.write_text(re.sub(r" ± [0-9.]+", " ?", source.read_text(encoding="utf-8")), encoding="utf-8")
+    if (source.parent / "parts").is_dir():
+        shutil.copytree(source.parent / "parts", pathlib.Path(folder, "parts"), dirs_exist_ok=True)
+    return copy
+
+
+def table(file):
+    """The columns of a CSV file, without the units in their names."""
+    with open(pathlib.Path(root, file), encoding="utf-8") as lines:
+        rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    return {name.split("[")[0]: [float(row[name]) for row in rows] for name in rows[0]}
 
 
 def rms(values):
