@@ -149,15 +149,20 @@ struct Drawer {
                                   const std::vector<std::string>& titles) const {
     std::vector<DrawnLinkage> others;
     auto file = o.ghosts.begin();
-    for (const Program& ghost : ghosts)
-      others.push_back({&ghost, same_poses(program, settings, ghost, {*file++, 0, 0})});
+    for (const Program& ghost : ghosts) {
+      // A calibrated model has the name of its nominal one: then the file tells them apart.
+      const bool same = ghost.name.empty() || ghost.name == program.name;
+      others.push_back({&ghost, same_poses(program, settings, ghost, {*file, 0, 0}),
+                        same ? std::filesystem::path(*file).filename().string() : ghost.name});
+      ++file;
+    }
     DrawOptions options = o.draw;
     options.titles = titles;
     return draw({&program, settings}, others, options);
   }
 };
 
-void write_picture(const Drawer& drawer, const Poses& poses) {
+void write_picture(const Drawer& drawer, const Poses& poses, const std::filesystem::path& folder) {
   const Options& o = drawer.o;
   std::size_t k = 0;
   if (o.pose > 0)
@@ -168,6 +173,10 @@ void write_picture(const Drawer& drawer, const Poses& poses) {
     titles.push_back(fmt::format("{} {}", poses.word, poses.numbers[k]));
   const Picture picture = drawer({{poses.settings.poses[k]}}, titles)[0];
   const std::string& title = drawer.program.name;
+  std::error_code error;
+  if (!folder.empty()) std::filesystem::create_directories(folder, error);
+  if (error)
+    throw InputError({folder.string(), 0, 0}, "cannot be made: " + error.message(), "--out DIR");
   put(o.picture, o.picture.ends_with(".png")   ? write_png(picture)
                  : o.picture.ends_with(".pdf") ? write_pdf(picture, title)
                                                : write_svg(picture, title));
@@ -232,11 +241,7 @@ void run(Options& o) {
   const std::list<Program> ghosts = ghosts_of(o);
   const Poses poses = poses_of(program, o);
   const Drawer drawer{program, ghosts, o};
-  std::error_code error;
-  if (own_name) std::filesystem::create_directories(folder, error);
-  if (error)
-    throw InputError({folder.string(), 0, 0}, "cannot be made: " + error.message(), "--out DIR");
-  if (!o.picture.empty()) write_picture(drawer, poses);
+  if (!o.picture.empty()) write_picture(drawer, poses, own_name ? folder : "");
   if (!o.animation.empty()) write_animation(drawer, poses);
 }
 

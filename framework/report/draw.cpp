@@ -39,6 +39,7 @@ std::string coordinates_text(const Program& program, const std::vector<double>& 
 struct Shown {
   const Program* program;
   const Settings* settings;
+  std::string label;
   Posture posture;
   Skeleton skeleton;
   SceneOptions options;
@@ -46,6 +47,7 @@ struct Shown {
   explicit Shown(const DrawnLinkage& linkage)
       : program(linkage.program),
         settings(&linkage.settings),
+        label(linkage.label.empty() ? linkage.program->name : linkage.label),
         posture(*linkage.program),
         skeleton(*linkage.program) {}
 
@@ -157,7 +159,7 @@ class Drawing {
     text += coordinates_text(program, shown_[0].settings->poses[pose]);
     if (!text.empty()) lines.push_back({text});
     for (std::size_t i = 1; i < shown_.size(); ++i)
-      lines.push_back({shown_[i].program->name, false, shown_[i].options.ghost});
+      lines.push_back({shown_[i].label, false, shown_[i].options.ghost});
     return wrap(lines, page_);
   }
 

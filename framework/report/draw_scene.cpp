@@ -134,7 +134,7 @@ class Painter {
                                        return other.frame == axis.frame &&
                                               std::sin(to.angle) < 1e-6 && to.distance < 1e-6;
                                      });
-      if (again || !skeleton_.moves(axis.frame) || !axis.direction.allFinite()) continue;
+      if (again || !skeleton_.moves(axis.frame) || !(axis.direction.norm() > 0.5)) continue;
       Vector3d centre = o_.placement * skeleton_.centre(axis.frame);
       const Vector3d across = centre - axis.point;
       if (axis.turns && (across - across.dot(axis.direction) * axis.direction).norm() > mm(0.1))
@@ -208,6 +208,12 @@ class Painter {
   void triad(int frame) {
     const Isometry3d& T = frames_[frame];
     const Vector3d origin = this->origin(frame);
+    if (ghost() && std::any_of(scene_.triads.begin(), scene_.triads.end(), [&](const auto& other) {
+          return (other.translation() - T.translation()).norm() < mm(1) &&
+                 (other.linear() - T.linear()).norm() < 0.01;
+        }))
+      return;  // where the linkage's own is
+    scene_.triads.push_back(T);
     const double length = mm(ghost() ? 0.7 * triad_length : triad_length);
     for (int i = 0; i < 3; ++i)
       scene_.strokes.push_back({origin,
