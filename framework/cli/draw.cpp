@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "framework/cli/commands.h"
+#include "framework/model/quantity.h"
 #include "framework/report/draw.h"
 #include "framework/report/draw_canvas.h"
 #include "framework/report/draw_film.h"
@@ -82,6 +83,20 @@ Poses from_table(Program& program, const std::string& file, const Options& o) {
   return poses;
 }
 
+// What the grid does not name rests, which for a range without zero is its middle.
+std::string with_resting(const Program& program, std::string grid) {
+  const std::vector<double> rest = resting_pose(program);
+  std::vector<std::string> named;
+  for (const std::string& part : CLI::detail::split(grid, ';'))
+    named.push_back(CLI::detail::trim_copy(part.substr(0, part.find('='))));
+  for (std::size_t i = 0; i < program.readings.size(); ++i) {
+    const Reading& r = program.readings[i];
+    if (rest[i] != 0 && std::find(named.begin(), named.end(), r.sensor) == named.end())
+      grid += fmt::format("; {}={}", r.sensor, shortest(rest[i], program.units.of(r.dimension)));
+  }
+  return grid;
+}
+
 Poses poses_of(Program& program, const Options& o) {
   if (!o.recordings.empty() + !o.poses.empty() + !o.grid.empty() > 1)
     throw InputError({"talus draw", 0, 0}, "recordings, --poses and --grid exclude each other",
@@ -89,7 +104,7 @@ Poses poses_of(Program& program, const Options& o) {
   if (!o.recordings.empty()) return from_table(program, o.recordings, o);
   Poses poses{.word = "pose"};
   if (!o.grid.empty()) {
-    poses.settings = grid_settings(program, o.grid);
+    poses.settings = grid_settings(program, with_resting(program, o.grid));
   } else if (o.poses.empty()) {
     poses.settings = {{resting_pose(program)}};
   } else if (o.poses.find_first_not_of("0123456789") == std::string::npos) {

@@ -77,7 +77,7 @@ class Drawing {
   }
 
   std::vector<Picture> run() {
-    const View view = parse_view(o_.view, o_.up);
+    const Camera camera = parse_camera(o_.view, o_.up);
     const std::size_t count = shown_[0].settings->poses.size();
     if (count == 0) return {};
     nearer_roots();
@@ -88,7 +88,7 @@ class Drawing {
       for (Shown& s : shown_) extend(extent, *s.program, s.posture, s.skeleton, s.options);
       lines = std::max(lines, caption(k).size());
     }
-    const Projection projection = fit(extent, view, page_, lines);
+    const Projection projection = fit(extent, camera, page_, lines);
     const bool sized = size_of(extent) > 0;  // otherwise all is at one point: signs alone, large
     for (Shown& s : shown_) s.options.unit = (sized ? 1 : 3) * page_.unit() / projection.scale;
     NamePlaces places;
