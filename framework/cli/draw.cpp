@@ -136,7 +136,7 @@ void read_size(const std::string& text, DrawOptions& draw) {
 }
 
 std::string ending_of(const std::string& file, const std::vector<std::string>& known) {
-  const std::string ending = std::filesystem::path(file).extension().string();
+  std::string ending = std::filesystem::path(file).extension().string();
   if (std::find(known.begin(), known.end(), ending) == known.end())
     throw InputError({file, 0, 0}, "unknown ending", "one of: " + join(known),
                      nearest(ending, known));

@@ -67,7 +67,7 @@ class PagePainter {
     for (std::size_t i = 0; i < wishes.size(); ++i) {
       const Name& n = scene_.names[i];
       const LabelWish& w = wishes[i];
-      const Vector2d low = corners[i], high = low + w.size;
+      const Vector2d &low = corners[i], high = low + w.size;
       places[n.key] = (low + high) / 2 - w.anchor;
       const Vector2d nearest = w.anchor.cwiseMax(low).cwiseMin(high);
       if ((nearest - w.anchor).norm() > 24 * u_)

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "framework/report/draw_camera.h"
 #include "framework/report/draw_picture.h"
 #include "framework/report/draw_scene.h"
-#include "framework/report/draw_camera.h"
 
 namespace talus {
 

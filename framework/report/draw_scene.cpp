@@ -102,9 +102,30 @@ class Painter {
     });
   }
 
+  // A joint outside the limbs of its body hangs on the nearest of them.
+  void stem_to_limb(int body, const Vector3d& end) {
+    std::optional<Vector3d> nearest;
+    for (const Limb& limb : program_.limbs) {
+      if (skeleton_.body(limb.frame) != body) continue;
+      const Vector3d local = frames_[limb.frame].inverse() * end, half = limb.size / 2;
+      const Vector3d p = frames_[limb.frame] *
+                         local.cwiseMax(limb.centre - half).cwiseMin(limb.centre + half).eval();
+      if (!nearest || (p - end).norm() < (*nearest - end).norm()) nearest = p;
+    }
+    if ((*nearest - end).norm() < mm(barrel_radius)) return;
+    if (ghost())
+      scene_.strokes.push_back({*nearest, end, *o_.ghost, 1.0});
+    else
+      scene_.rods.push_back({*nearest, end, mm(stem_radius), rod_fills[body % 2], rod_edge});
+  }
+
   void bone(const Bone& bone) {
-    if (has_limb(bone.from)) return;
     const int body = skeleton_.body(bone.from);
+    if (has_limb(bone.from)) {
+      for (const Vector3d& end : {bone.points.front(), bone.points.back()})
+        stem_to_limb(body, o_.placement * end);
+      return;
+    }
     const bool stem =
         body == 0 || (bone.to != bone.from && !skeleton_.moves(bone.to) && skeleton_.leaf(bone.to));
     for (std::size_t i = 1; i < bone.points.size(); ++i) {
