@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "framework/cli/commands.h"
+#include "framework/model/quantity.h"
 #include "framework/report/draw.h"
 #include "framework/report/draw_canvas.h"
 #include "framework/report/draw_film.h"
@@ -82,6 +83,20 @@ Poses from_table(Program& program, const std::string& file, const Options& o) {
   return poses;
 }
 
+// What the grid does not name rests, which for a range without zero is its middle.
+std::string with_resting(const Program& program, std::string grid) {
+  const std::vector<double> rest = resting_pose(program);
+  std::vector<std::string> named;
+  for (const std::string& part : CLI::detail::split(grid, ';'))
+    named.push_back(CLI::detail::trim_copy(part.substr(0, part.find('='))));
+  for (std::size_t i = 0; i < program.readings.size(); ++i) {
+    const Reading& r = program.readings[i];
+    if (rest[i] != 0 && std::find(named.begin(), named.end(), r.sensor) == named.end())
+      grid += fmt::format("; {}={}", r.sensor, shortest(rest[i], program.units.of(r.dimension)));
+  }
+  return grid;
+}
+
 Poses poses_of(Program& program, const Options& o) {
   if (!o.recordings.empty() + !o.poses.empty() + !o.grid.empty() > 1)
     throw InputError({"talus draw", 0, 0}, "recordings, --poses and --grid exclude each other",
@@ -89,7 +104,7 @@ Poses poses_of(Program& program, const Options& o) {
   if (!o.recordings.empty()) return from_table(program, o.recordings, o);
   Poses poses{.word = "pose"};
   if (!o.grid.empty()) {
-    poses.settings = grid_settings(program, o.grid);
+    poses.settings = grid_settings(program, with_resting(program, o.grid));
   } else if (o.poses.empty()) {
     poses.settings = {{resting_pose(program)}};
   } else if (o.poses.find_first_not_of("0123456789") == std::string::npos) {
@@ -121,7 +136,7 @@ void read_size(const std::string& text, DrawOptions& draw) {
 }
 
 std::string ending_of(const std::string& file, const std::vector<std::string>& known) {
-  const std::string ending = std::filesystem::path(file).extension().string();
+  std::string ending = std::filesystem::path(file).extension().string();
   if (std::find(known.begin(), known.end(), ending) == known.end())
     throw InputError({file, 0, 0}, "unknown ending", "one of: " + join(known),
                      nearest(ending, known));
@@ -149,15 +164,20 @@ struct Drawer {
                                   const std::vector<std::string>& titles) const {
     std::vector<DrawnLinkage> others;
     auto file = o.ghosts.begin();
-    for (const Program& ghost : ghosts)
-      others.push_back({&ghost, same_poses(program, settings, ghost, {*file++, 0, 0})});
+    for (const Program& ghost : ghosts) {
+      // A calibrated model has the name of its nominal one: then the file tells them apart.
+      const bool same = ghost.name.empty() || ghost.name == program.name;
+      others.push_back({&ghost, same_poses(program, settings, ghost, {*file, 0, 0}),
+                        same ? std::filesystem::path(*file).filename().string() : ghost.name});
+      ++file;
+    }
     DrawOptions options = o.draw;
     options.titles = titles;
     return draw({&program, settings}, others, options);
   }
 };
 
-void write_picture(const Drawer& drawer, const Poses& poses) {
+void write_picture(const Drawer& drawer, const Poses& poses, const std::filesystem::path& folder) {
   const Options& o = drawer.o;
   std::size_t k = 0;
   if (o.pose > 0)
@@ -168,6 +188,10 @@ void write_picture(const Drawer& drawer, const Poses& poses) {
     titles.push_back(fmt::format("{} {}", poses.word, poses.numbers[k]));
   const Picture picture = drawer({{poses.settings.poses[k]}}, titles)[0];
   const std::string& title = drawer.program.name;
+  std::error_code error;
+  if (!folder.empty()) std::filesystem::create_directories(folder, error);
+  if (error)
+    throw InputError({folder.string(), 0, 0}, "cannot be made: " + error.message(), "--out DIR");
   put(o.picture, o.picture.ends_with(".png")   ? write_png(picture)
                  : o.picture.ends_with(".pdf") ? write_pdf(picture, title)
                                                : write_svg(picture, title));
@@ -232,11 +256,7 @@ void run(Options& o) {
   const std::list<Program> ghosts = ghosts_of(o);
   const Poses poses = poses_of(program, o);
   const Drawer drawer{program, ghosts, o};
-  std::error_code error;
-  if (own_name) std::filesystem::create_directories(folder, error);
-  if (error)
-    throw InputError({folder.string(), 0, 0}, "cannot be made: " + error.message(), "--out DIR");
-  if (!o.picture.empty()) write_picture(drawer, poses);
+  if (!o.picture.empty()) write_picture(drawer, poses, own_name ? folder : "");
   if (!o.animation.empty()) write_animation(drawer, poses);
 }
 

@@ -1,6 +1,7 @@
 #include "framework/kinematics/skeleton.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 namespace talus {
@@ -8,8 +9,8 @@ namespace {
 
 using Eigen::Isometry3d, Eigen::Vector3d;
 
-// Straight where some leg goes back on another: then the legs are offsets to a frame that lies
-// beside the body, not parts of it.
+// Straight where the legs are neither in line nor at right angles: then they lead to a frame that
+// lies somewhere, not along the body.
 void straighten(std::vector<Vector3d>& points) {
   std::vector<Vector3d> kept{points[0]};
   double size = 0;
@@ -19,7 +20,8 @@ void straighten(std::vector<Vector3d>& points) {
   for (std::size_t i = 1; i < kept.size(); ++i)
     for (std::size_t j = i + 1; j < kept.size(); ++j) {
       const Vector3d a = kept[i] - kept[i - 1], b = kept[j] - kept[j - 1];
-      if (a.dot(b) < -0.02 * a.norm() * b.norm()) {
+      const double cosine = a.normalized().dot(b.normalized());
+      if (std::abs(cosine) > 0.02 && cosine < 0.999) {
         points = {points.front(), points.back()};
         return;
       }
@@ -129,6 +131,13 @@ void Skeleton::walk(int frame, const Posture& posture, const std::vector<double>
   centres_[frame] = after[0];
 }
 
+// A hinge through a point goes there, turns and goes back again: to a frame beside the body.
+bool Skeleton::returns(int frame) const {
+  const double there = (before_[frame].back() - before_[frame].front()).norm(),
+               back = (after_[frame].back() - after_[frame].front()).norm();
+  return there > 0 && std::abs(there - back) < 1e-9 * there;
+}
+
 void Skeleton::set(const Posture& posture) {
   const std::vector<double>& values = values_(posture.slots());
   for (std::size_t f = 0; f < joints_.size(); ++f) walk(static_cast<int>(f), posture, values);
@@ -136,6 +145,8 @@ void Skeleton::set(const Posture& posture) {
     bone.points = after_[bone.from];
     if (bone.to != bone.from)
       bone.points.insert(bone.points.end(), before_[bone.to].begin(), before_[bone.to].end());
+    if (bone.to != bone.from && returns(bone.from))
+      bone.points = {bone.points.front(), bone.points.back()};
     straighten(bone.points);
   }
   for (std::size_t i = 0; i < measured_.size(); ++i) {

@@ -55,6 +55,7 @@ class Skeleton {
 
   std::vector<Step> steps_of(const Rigid<Expr>& motion, std::vector<std::int32_t>& nodes) const;
   static void apply(const Step& step, const std::vector<double>& values, Eigen::Isometry3d& T);
+  bool returns(int frame) const;
   void walk(int frame, const Posture& posture, const std::vector<double>& values);
 
   const Program* program_;

@@ -39,6 +39,7 @@ std::string coordinates_text(const Program& program, const std::vector<double>& 
 struct Shown {
   const Program* program;
   const Settings* settings;
+  std::string label;
   Posture posture;
   Skeleton skeleton;
   SceneOptions options;
@@ -46,6 +47,7 @@ struct Shown {
   explicit Shown(const DrawnLinkage& linkage)
       : program(linkage.program),
         settings(&linkage.settings),
+        label(linkage.label.empty() ? linkage.program->name : linkage.label),
         posture(*linkage.program),
         skeleton(*linkage.program) {}
 
@@ -75,7 +77,7 @@ class Drawing {
   }
 
   std::vector<Picture> run() {
-    const View view = parse_view(o_.view, o_.up);
+    const Camera camera = parse_camera(o_.view, o_.up);
     const std::size_t count = shown_[0].settings->poses.size();
     if (count == 0) return {};
     nearer_roots();
@@ -86,7 +88,7 @@ class Drawing {
       for (Shown& s : shown_) extend(extent, *s.program, s.posture, s.skeleton, s.options);
       lines = std::max(lines, caption(k).size());
     }
-    const Projection projection = fit(extent, view, page_, lines);
+    const Projection projection = fit(extent, camera, page_, lines);
     const bool sized = size_of(extent) > 0;  // otherwise all is at one point: signs alone, large
     for (Shown& s : shown_) s.options.unit = (sized ? 1 : 3) * page_.unit() / projection.scale;
     NamePlaces places;
@@ -157,7 +159,7 @@ class Drawing {
     text += coordinates_text(program, shown_[0].settings->poses[pose]);
     if (!text.empty()) lines.push_back({text});
     for (std::size_t i = 1; i < shown_.size(); ++i)
-      lines.push_back({shown_[i].program->name, false, shown_[i].options.ghost});
+      lines.push_back({shown_[i].label, false, shown_[i].options.ghost});
     return wrap(lines, page_);
   }
 

@@ -34,6 +34,7 @@ Settings same_poses(const Program& program, const Settings& settings, const Prog
 struct DrawnLinkage {
   const Program* program;
   Settings settings;
+  std::string label = {};  // how the caption calls a ghost; default the model's name
 };
 std::vector<Picture> draw(const DrawnLinkage& linkage, const std::vector<DrawnLinkage>& ghosts,
                           const DrawOptions& options);

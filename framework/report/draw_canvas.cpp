@@ -19,16 +19,16 @@ void colour(cairo_t* c, Colour rgb, double opacity = 1) {
                         opacity);
 }
 
-void text(cairo_t* c, const Shape& s) {
+void text(cairo_t* c, const Mark& s) {
   cairo_select_font_face(c, "sans-serif",
                          s.slanted ? CAIRO_FONT_SLANT_OBLIQUE : CAIRO_FONT_SLANT_NORMAL,
                          s.bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_font_size(c, s.size);
   cairo_text_extents_t extents;
   cairo_text_extents(c, s.text.c_str(), &extents);
-  const double back = s.anchor == Shape::Anchor::start    ? 0
-                      : s.anchor == Shape::Anchor::middle ? extents.x_advance / 2
-                                                          : extents.x_advance;
+  const double back = s.anchor == Mark::Anchor::start    ? 0
+                      : s.anchor == Mark::Anchor::middle ? extents.x_advance / 2
+                                                         : extents.x_advance;
   cairo_move_to(c, s.points[0].x() - back, s.points[0].y());
   if (s.halo) {
     cairo_text_path(c, s.text.c_str());
@@ -41,15 +41,15 @@ void text(cairo_t* c, const Shape& s) {
   cairo_show_text(c, s.text.c_str());
 }
 
-void paint(cairo_t* c, const Shape& s) {
+void paint(cairo_t* c, const Mark& s) {
   cairo_set_dash(c, s.dash.data(), static_cast<int>(s.dash.size()), 0);
-  if (s.kind == Shape::Kind::text) return text(c, s);
+  if (s.kind == Mark::Kind::text) return text(c, s);
   cairo_new_path(c);
-  if (s.kind == Shape::Kind::disc)
+  if (s.kind == Mark::Kind::disc)
     cairo_arc(c, s.points[0].x(), s.points[0].y(), s.size, 0, 2 * std::numbers::pi);
   else
     for (const Eigen::Vector2d& p : s.points) cairo_line_to(c, p.x(), p.y());
-  if (s.kind == Shape::Kind::polygon) cairo_close_path(c);
+  if (s.kind == Mark::Kind::polygon) cairo_close_path(c);
   if (s.fill) {
     colour(c, *s.fill, s.opacity);
     cairo_fill_preserve(c);
@@ -74,7 +74,7 @@ void paint(cairo_surface_t* surface, const Picture& picture) {
   cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
   colour(c, 0xffffff);
   cairo_paint(c);
-  for (const Shape& shape : picture.shapes) paint(c, shape);
+  for (const Mark& mark : picture.marks) paint(c, mark);
   check(cairo_status(c));
 }
 

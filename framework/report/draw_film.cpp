@@ -65,7 +65,7 @@ if (last > 0 && !matchMedia("(prefers-reduced-motion: reduce)").matches) run(tru
 
 std::string elements_of(const Picture& picture) {
   std::string out;
-  for (const Shape& shape : picture.shapes) out += svg_element(shape) + "\n";
+  for (const Mark& mark : picture.marks) out += svg_element(mark) + "\n";
   return out;
 }
 
@@ -76,8 +76,8 @@ std::string write_film_html(const Film& film) {
   std::map<std::string, int> numbers;
   for (const Picture& picture : film.pictures) {
     nlohmann::json& frame = frames.emplace_back(nlohmann::json::array());
-    for (const Shape& shape : picture.shapes) {
-      std::string element = svg_element(shape);
+    for (const Mark& mark : picture.marks) {
+      std::string element = svg_element(mark);
       std::replace(element.begin(), element.end(), '"', '\'');  // texts have none, escaped as it is
       const auto [number, fresh] = numbers.try_emplace(element, static_cast<int>(numbers.size()));
       if (fresh) elements.push_back(element);

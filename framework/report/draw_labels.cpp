@@ -66,6 +66,7 @@ std::vector<Vector2d> place_labels(const std::vector<LabelWish>& wishes,
                                    const std::vector<Obstacle>& obstacles, const LabelBox& page) {
   const std::size_t n = wishes.size();
   std::vector<std::vector<Candidate>> all;
+  all.reserve(n);
   for (const LabelWish& wish : wishes) all.push_back(candidates(wish, obstacles, page));
   std::vector<int> chosen(n, -1);
   for (int round = 0; round < 4; ++round)

@@ -14,8 +14,6 @@ namespace {
 
 using Eigen::Vector2d, Eigen::Vector3d;
 
-constexpr double margin = 70, title_size = 15, caption_size = 12, caption_line = 17;
-
 Colour mixed(Colour a, Colour b, double share) {  // `share` of b
   Colour result = 0;
   for (int shift : {16, 8, 0}) {
@@ -38,7 +36,7 @@ class PagePainter {
     for (const Rod& r : scene_.rods) rod(r);
     for (const Barrel& b : scene_.barrels) barrel(b);
     for (int i : painters_order(pieces_))
-      for (Shape& s : shapes_[i]) picture_.shapes.push_back(std::move(s));
+      for (Mark& s : marks_[i]) picture_.marks.push_back(std::move(s));
   }
 
   void overlay() {
@@ -69,19 +67,19 @@ class PagePainter {
     for (std::size_t i = 0; i < wishes.size(); ++i) {
       const Name& n = scene_.names[i];
       const LabelWish& w = wishes[i];
-      const Vector2d low = corners[i], high = low + w.size;
+      const Vector2d &low = corners[i], high = low + w.size;
       places[n.key] = (low + high) / 2 - w.anchor;
       const Vector2d nearest = w.anchor.cwiseMax(low).cwiseMin(high);
       if ((nearest - w.anchor).norm() > 24 * u_)
         line({w.anchor, nearest + 3 * u_ * (w.anchor - nearest).normalized()}, 0x999999, 0.7);
-      Shape text{.kind = Shape::Kind::text, .points = {{low.x(), high.y() - 0.13 * w.size.y()}}};
+      Mark text{.kind = Mark::Kind::text, .points = {{low.x(), high.y() - 0.13 * w.size.y()}}};
       text.text = n.text;
       text.size = n.size * u_;
       text.fill = n.colour;
       text.bold = n.bold;
       text.slanted = n.slanted;
       text.halo = true;
-      picture_.shapes.push_back(std::move(text));
+      picture_.marks.push_back(std::move(text));
     }
   }
 
@@ -94,7 +92,7 @@ class PagePainter {
         x += 34 * u_;
       }
       text({x, y}, l.text, (l.title ? title_size : caption_size) * u_, l.title,
-           Shape::Anchor::start);
+           Mark::Anchor::start);
       y += caption_line * u_;
     }
   }
@@ -110,7 +108,7 @@ class PagePainter {
     line({{left, y}, {right, y}}, 0x222222, 1.6);
     for (double x : {left, right}) line({{x, y - 4 * u_}, {x, y + 4 * u_}}, 0x222222, 1.6);
     text({(left + right) / 2, y - 8 * u_}, fmt::format("{:g} mm", bar), caption_size * u_, false,
-         Shape::Anchor::middle);
+         Mark::Anchor::middle);
   }
 
   Picture take() { return std::move(picture_); }
@@ -120,43 +118,43 @@ class PagePainter {
 
   void line(std::vector<Vector2d> points, Colour colour, double width,
             const std::vector<double>& dash = {}) {
-    Shape s{.kind = Shape::Kind::line, .points = std::move(points)};
+    Mark s{.kind = Mark::Kind::line, .points = std::move(points)};
     s.stroke = colour;
     s.width = width * u_;
     for (double d : dash) s.dash.push_back(d * u_);
-    picture_.shapes.push_back(std::move(s));
+    picture_.marks.push_back(std::move(s));
   }
   void disc(const Vector2d& at, double radius, Colour fill, std::optional<Colour> edge,
             double width) {
-    Shape s{.kind = Shape::Kind::disc, .points = {at}};
+    Mark s{.kind = Mark::Kind::disc, .points = {at}};
     s.size = radius;
     s.fill = fill;
     s.stroke = edge;
     s.width = width * u_;
-    picture_.shapes.push_back(std::move(s));
+    picture_.marks.push_back(std::move(s));
   }
   void text(const Vector2d& at, const std::string& words, double size, bool bold,
-            Shape::Anchor anchor) {
-    Shape s{.kind = Shape::Kind::text, .points = {at}};
+            Mark::Anchor anchor) {
+    Mark s{.kind = Mark::Kind::text, .points = {at}};
     s.text = words;
     s.size = size;
     s.bold = bold;
     s.anchor = anchor;
     s.fill = 0x222222;
-    picture_.shapes.push_back(std::move(s));
+    picture_.marks.push_back(std::move(s));
   }
-  Shape area(std::vector<Vector2d> points, Colour fill, std::optional<Colour> edge, double opacity,
-             double width) const {
-    Shape s{.points = std::move(points)};
+  Mark area(std::vector<Vector2d> points, Colour fill, std::optional<Colour> edge, double opacity,
+            double width) const {
+    Mark s{.points = std::move(points)};
     s.fill = fill;
     s.stroke = edge;
     s.opacity = opacity;
     s.width = width * u_;
     return s;
   }
-  void add(std::vector<Vector2d> outline, const Vector3d& plane, std::vector<Shape> shapes) {
+  void add(std::vector<Vector2d> outline, const Vector3d& plane, std::vector<Mark> marks) {
     pieces_.push_back({std::move(outline), plane});
-    shapes_.push_back(std::move(shapes));
+    marks_.push_back(std::move(marks));
   }
 
   void face(const Face& f) {
@@ -185,7 +183,7 @@ class PagePainter {
     const Vector3d a = project_(r.from), b = project_(r.to);
     const Vector2d p = a.head<2>(), q = b.head<2>();
     const double radius = r.radius * project_.scale, span = (q - p).norm();
-    Shape cap{.kind = Shape::Kind::disc, .points = {p}};
+    Mark cap{.kind = Mark::Kind::disc, .points = {p}};
     cap.size = radius;
     cap.fill = r.fill;
     if (span < 0.2 * radius) {  // seen from its end
@@ -198,23 +196,23 @@ class PagePainter {
     const Vector2d along = (q - p) / span, side(-along.y() * radius, along.x() * radius);
     const double rise = (b.z() - a.z()) / span;
     const Vector3d plane(rise * along.x(), rise * along.y(), a.z() - rise * along.dot(p));
-    std::vector<Shape> shapes{cap, cap,
-                              area({p - side, q - side, q + side, p + side}, r.fill, {}, 1, 0)};
-    shapes[1].points[0] = q;
+    std::vector<Mark> marks{cap, cap,
+                            area({p - side, q - side, q + side, p + side}, r.fill, {}, 1, 0)};
+    marks[1].points[0] = q;
     // A light stripe on the side towards the light makes it round.
     const double lit = side.dot(Vector2d(-0.54, -0.84)) > 0 ? 1 : -1;
     if (radius > 2.5 * u_)
-      shapes.push_back(area({p + 0.1 * lit * side, q + 0.1 * lit * side, q + 0.65 * lit * side,
-                             p + 0.65 * lit * side},
-                            mixed(r.fill, 0xffffff, 0.45), {}, 1, 0));
+      marks.push_back(area({p + 0.1 * lit * side, q + 0.1 * lit * side, q + 0.65 * lit * side,
+                            p + 0.65 * lit * side},
+                           mixed(r.fill, 0xffffff, 0.45), {}, 1, 0));
     for (int sign : {-1, 1}) {
-      Shape edge{.kind = Shape::Kind::line, .points = {p + sign * side, q + sign * side}};
+      Mark edge{.kind = Mark::Kind::line, .points = {p + sign * side, q + sign * side}};
       edge.stroke = r.edge;
       edge.width = 0.9 * u_;
-      shapes.push_back(std::move(edge));
+      marks.push_back(std::move(edge));
     }
     obstacles_.push_back({p, q, radius});
-    add({p - side, q - side, q + side, p + side}, plane, std::move(shapes));
+    add({p - side, q - side, q + side, p + side}, plane, std::move(marks));
   }
 
   void barrel(const Barrel& b) {
@@ -250,7 +248,7 @@ class PagePainter {
     line({begin, end}, s.colour, s.width, s.dash);
     auto arrow = [&](const Vector2d& tip, const Vector2d& to) {
       const Vector2d back = tip - head * to, aside = 0.36 * head * side;
-      picture_.shapes.push_back(area({tip, back + aside, back - aside}, s.colour, {}, 1, 0));
+      picture_.marks.push_back(area({tip, back + aside, back - aside}, s.colour, {}, 1, 0));
     };
     if (s.tip != Tip::none) arrow(q, along);
     if (s.tip == Tip::both) arrow(p, -along);
@@ -263,58 +261,11 @@ class PagePainter {
   double u_;
   Picture picture_;
   std::vector<Piece> pieces_;
-  std::vector<std::vector<Shape>> shapes_;
+  std::vector<std::vector<Mark>> marks_;
   std::vector<Obstacle> obstacles_;
 };
 
 }  // namespace
-
-double Page::unit() const { return std::min(width / 1000, height / 750); }
-
-Vector3d Projection::operator()(const Vector3d& p) const {
-  const Vector3d seen = scale * view(p);
-  return {offset.x() + seen.x(), offset.y() - seen.y(), seen.z()};
-}
-
-std::vector<CaptionLine> wrap(const std::vector<CaptionLine>& lines, const Page& page) {
-  const double room = page.width - 250 * page.unit();  // beside the scale
-  std::vector<CaptionLine> result;
-  for (const CaptionLine& line : lines) {
-    result.push_back({"", line.title, line.sample});
-    std::size_t start = 0;
-    while (start < line.text.size()) {
-      const std::size_t space = std::min(line.text.find(", ", start), line.text.size());
-      const std::string word = line.text.substr(start, space + 2 - start);
-      std::string& text = result.back().text;
-      if (!text.empty() && !line.title &&
-          text_width(text + word, caption_size * page.unit()) > room)
-        result.push_back({word, false, {}});
-      else
-        text += word;
-      start = space + 2;
-    }
-  }
-  return result;
-}
-
-Projection fit(const std::vector<Vector3d>& extent, const View& view, const Page& page,
-               std::size_t lines) {
-  const double u = page.unit(), caption = (10 + caption_line * static_cast<double>(lines)) * u;
-  Vector2d low = Vector2d::Constant(INFINITY), high = -low;
-  for (const Vector3d& p : extent) {
-    const Vector2d seen = view(p).head<2>();
-    low = low.cwiseMin(seen), high = high.cwiseMax(seen);
-  }
-  const Vector2d size = high - low,
-                 room(page.width - 2 * margin * u, page.height - 2 * margin * u - caption);
-  Projection result{view};
-  result.scale = std::min(room.x() / size.x(), room.y() / size.y());
-  if (!std::isfinite(result.scale)) result.scale = u;  // a point
-  const Vector2d middle = (low + high) / 2;
-  result.offset = {page.width / 2 - result.scale * middle.x(),
-                   (page.height - caption) / 2 + result.scale * middle.y()};
-  return result;
-}
 
 Picture paint(const Scene& scene, const Projection& projection, const Page& page,
               const std::vector<CaptionLine>& caption, bool with_scale, NamePlaces& places) {

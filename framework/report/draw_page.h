@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "framework/report/draw_camera.h"
 #include "framework/report/draw_picture.h"
 #include "framework/report/draw_scene.h"
-#include "framework/report/draw_view.h"
 
 namespace talus {
 
@@ -17,8 +17,11 @@ struct Page {
   double unit() const;                // pixels
 };
 
+// In units: the rim around what is drawn, the sizes of letters, and from line to line.
+constexpr double margin = 70, title_size = 15, caption_size = 12, caption_line = 17;
+
 struct Projection {
-  View view;
+  Camera camera;
   double scale = 1;                                            // pixels per mm
   Eigen::Vector2d offset = Eigen::Vector2d::Zero();            // where the origin is, pixels
   Eigen::Vector3d operator()(const Eigen::Vector3d& p) const;  // x, y downwards, height; pixels
@@ -34,7 +37,7 @@ struct CaptionLine {
 std::vector<CaptionLine> wrap(const std::vector<CaptionLine>& lines, const Page& page);
 
 // The scale at which `extent` fills what `lines` lines of caption leave of the page.
-Projection fit(const std::vector<Eigen::Vector3d>& extent, const View& view, const Page& page,
+Projection fit(const std::vector<Eigen::Vector3d>& extent, const Camera& camera, const Page& page,
                std::size_t lines);
 
 // Names keep near their places in the picture before, which `places` carries from one to the next.

@@ -20,7 +20,7 @@ std::string brief(double value, int digits) {
 }
 std::string round1(double value) { return brief(value, 1); }
 
-std::string paint(const Shape& s) {
+std::string paint(const Mark& s) {
   std::string out = s.fill ? fmt::format(" fill=\"#{:06x}\"", *s.fill) : " fill=\"none\"";
   if (s.fill && s.opacity < 1) out += fmt::format(" fill-opacity=\"{}\"", brief(s.opacity, 2));
   if (!s.stroke) return out;
@@ -46,15 +46,15 @@ double text_width(const std::string& text, double size) {
   return width * size;
 }
 
-std::string svg_element(const Shape& s) {
+std::string svg_element(const Mark& s) {
   const Eigen::Vector2d& p = s.points[0];
-  if (s.kind == Shape::Kind::disc)
+  if (s.kind == Mark::Kind::disc)
     return fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"{}\"{}/>", round1(p.x()), round1(p.y()),
                        round1(s.size), paint(s));
-  if (s.kind == Shape::Kind::text) {
+  if (s.kind == Mark::Kind::text) {
     std::string style;
-    if (s.anchor == Shape::Anchor::middle) style += " text-anchor=\"middle\"";
-    if (s.anchor == Shape::Anchor::end) style += " text-anchor=\"end\"";
+    if (s.anchor == Mark::Anchor::middle) style += " text-anchor=\"middle\"";
+    if (s.anchor == Mark::Anchor::end) style += " text-anchor=\"end\"";
     if (s.bold) style += " font-weight=\"bold\"";
     if (s.slanted) style += " font-style=\"italic\"";
     if (s.halo)
@@ -66,7 +66,7 @@ std::string svg_element(const Shape& s) {
   }
   std::string points;
   for (const Eigen::Vector2d& q : s.points) points += (points.empty() ? "" : " ") + point(q);
-  return fmt::format("<{} points=\"{}\"{}/>", s.kind == Shape::Kind::line ? "polyline" : "polygon",
+  return fmt::format("<{} points=\"{}\"{}/>", s.kind == Mark::Kind::line ? "polyline" : "polygon",
                      points, paint(s));
 }
 
@@ -82,7 +82,7 @@ std::string svg_head(const Picture& picture, const std::string& title) {
 
 std::string write_svg(const Picture& picture, const std::string& title) {
   std::string out = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n" + svg_head(picture, title);
-  for (const Shape& shape : picture.shapes) out += svg_element(shape) + "\n";
+  for (const Mark& mark : picture.marks) out += svg_element(mark) + "\n";
   return out + "</svg>\n";
 }
 

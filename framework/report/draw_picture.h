@@ -1,4 +1,4 @@
-// A flat picture: shapes in the order in which they are painted, y downwards, lengths in pixels.
+// A flat picture: marks in the order in which they are painted, y downwards, lengths in pixels.
 // It is written as SVG (text stays text) here, as PNG, PDF and raw pixels by draw_canvas.h.
 #pragma once
 
@@ -12,12 +12,11 @@ namespace talus {
 
 using Colour = std::uint32_t;  // 0xRRGGBB
 
-struct Shape {
+struct Mark {
   enum class Kind { polygon, line, disc, text };
   enum class Anchor { start, middle, end };
   Kind kind = Kind::polygon;
-  std::vector<Eigen::Vector2d>
-      points;  // of a disc the centre, of a text the anchor on its baseline
+  std::vector<Eigen::Vector2d> points;  // a disc's centre; a text's anchor on its baseline
   std::optional<Colour> fill, stroke;
   double width = 1;          // of the stroke
   double size = 0;           // radius of a disc, height of a text
@@ -30,13 +29,13 @@ struct Shape {
 
 struct Picture {
   double width = 0, height = 0;
-  std::vector<Shape> shapes;
+  std::vector<Mark> marks;
 };
 
 // About as wide as the text is set in a sans-serif face.
 double text_width(const std::string& text, double size);
 
-std::string svg_element(const Shape& shape);  // one element, coordinates rounded to 0.1
+std::string svg_element(const Mark& mark);  // one element, coordinates rounded to 0.1
 std::string svg_head(const Picture& picture, const std::string& title);  // <svg ...>, title, paper
 std::string write_svg(const Picture& picture, const std::string& title);
 

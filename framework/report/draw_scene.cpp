@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 namespace talus {
 namespace {
@@ -103,9 +102,30 @@ class Painter {
     });
   }
 
+  // A joint outside the limbs of its body hangs on the nearest of them.
+  void stem_to_limb(int body, const Vector3d& end) {
+    std::optional<Vector3d> nearest;
+    for (const Limb& limb : program_.limbs) {
+      if (skeleton_.body(limb.frame) != body) continue;
+      const Vector3d local = frames_[limb.frame].inverse() * end, half = limb.size / 2;
+      const Vector3d p = frames_[limb.frame] *
+                         local.cwiseMax(limb.centre - half).cwiseMin(limb.centre + half).eval();
+      if (!nearest || (p - end).norm() < (*nearest - end).norm()) nearest = p;
+    }
+    if ((*nearest - end).norm() < mm(barrel_radius)) return;
+    if (ghost())
+      scene_.strokes.push_back({*nearest, end, *o_.ghost, 1.0});
+    else
+      scene_.rods.push_back({*nearest, end, mm(stem_radius), rod_fills[body % 2], rod_edge});
+  }
+
   void bone(const Bone& bone) {
-    if (has_limb(bone.from)) return;
     const int body = skeleton_.body(bone.from);
+    if (has_limb(bone.from)) {
+      for (const Vector3d& end : {bone.points.front(), bone.points.back()})
+        stem_to_limb(body, o_.placement * end);
+      return;
+    }
     const bool stem =
         body == 0 || (bone.to != bone.from && !skeleton_.moves(bone.to) && skeleton_.leaf(bone.to));
     for (std::size_t i = 1; i < bone.points.size(); ++i) {
@@ -134,7 +154,7 @@ class Painter {
                                        return other.frame == axis.frame &&
                                               std::sin(to.angle) < 1e-6 && to.distance < 1e-6;
                                      });
-      if (again || !skeleton_.moves(axis.frame) || !axis.direction.allFinite()) continue;
+      if (again || !skeleton_.moves(axis.frame) || !(axis.direction.norm() > 0.5)) continue;
       Vector3d centre = o_.placement * skeleton_.centre(axis.frame);
       const Vector3d across = centre - axis.point;
       if (axis.turns && (across - across.dot(axis.direction) * axis.direction).norm() > mm(0.1))
@@ -208,6 +228,12 @@ class Painter {
   void triad(int frame) {
     const Isometry3d& T = frames_[frame];
     const Vector3d origin = this->origin(frame);
+    if (ghost() && std::any_of(scene_.triads.begin(), scene_.triads.end(), [&](const auto& other) {
+          return (other.translation() - T.translation()).norm() < mm(1) &&
+                 (other.linear() - T.linear()).norm() < 0.01;
+        }))
+      return;  // where the linkage's own is
+    scene_.triads.push_back(T);
     const double length = mm(ghost() ? 0.7 * triad_length : triad_length);
     for (int i = 0; i < 3; ++i)
       scene_.strokes.push_back({origin,
@@ -259,47 +285,6 @@ class Painter {
 };
 
 }  // namespace
-
-std::vector<int> main_frames(const Program& program, const Skeleton& skeleton) {
-  std::set<int> frames{0};
-  for (const auto& [name, index] : program.frame_index)
-    if (name != program.frames[index].name || skeleton.leaf(index)) frames.insert(index);
-  for (const Feature& f : program.features)
-    for (const std::string& name : program.chains[f.chain].key())
-      frames.insert(program.frame(name, {}));
-  for (const Limb& limb : program.limbs) frames.insert(limb.frame);
-  return {frames.begin(), frames.end()};
-}
-
-std::optional<Vector3d> nearer_root(const Skeleton& skeleton, double size) {
-  const Bone* only = nullptr;
-  for (const Bone& bone : skeleton.bones())
-    if (bone.from == 0) {
-      if (only || skeleton.moves(bone.to)) return {};
-      only = &bone;
-    }
-  if (!only) return {};
-  const Vector3d to = only->points.back(), back = only->points.front() - to;
-  if (!(size > 0) || back.norm() < 1.2 * size) return {};
-  return to + 0.35 * size * back.normalized();
-}
-
-void extend(Points3& extent, const Program& program, const Posture& posture,
-            const Skeleton& skeleton, const SceneOptions& options) {
-  auto add = [&](const Vector3d& p) { extent.push_back(options.placement * p); };
-  const bool far = options.near_root.has_value();
-  for (const Bone& bone : skeleton.bones())
-    for (const Vector3d& p : bone.points)
-      if (!far || bone.from != 0 || &p == &bone.points.back()) add(p);
-  for (int frame : options.triads)
-    if (frame != 0 || !far) add(posture.frame(frame).translation());
-  if (far) add(*options.near_root);
-  for (const Isometry3d& feature : skeleton.features()) add(feature.translation());
-  for (const Limb& limb : program.limbs) {
-    const LimbPoints local = points(limb);
-    for (int i = 0; i < 8; ++i) add(posture.frame(limb.frame) * local.col(i));
-  }
-}
 
 void add_linkage(Scene& scene, const Program& program, const Posture& posture,
                  const Skeleton& skeleton, const SceneOptions& options) {

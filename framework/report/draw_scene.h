@@ -61,6 +61,7 @@ struct Scene {
   std::vector<Stroke> strokes;
   std::vector<Ring> rings;
   std::vector<Name> names;
+  std::vector<Eigen::Isometry3d> triads;  // shown so far
 };
 
 struct SceneOptions {

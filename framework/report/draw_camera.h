@@ -11,7 +11,7 @@
 
 namespace talus {
 
-struct View {
+struct Camera {
   Eigen::Matrix3d rows;  // what is to the right, up and towards the viewer, in the frame looked at
 
   // Right and up on the page and height above it, mm.
@@ -20,6 +20,6 @@ struct View {
 
 // `direction`: a name or "azimuth, elevation" in degrees; `up`: x, y, z, -x, -y or -z. InputError
 // for anything else.
-View parse_view(const std::string& direction, const std::string& up);
+Camera parse_camera(const std::string& direction, const std::string& up);
 
 }  // namespace talus

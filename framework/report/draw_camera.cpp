@@ -1,4 +1,4 @@
-#include "framework/report/draw_view.h"
+#include "framework/report/draw_camera.h"
 
 #include <fmt/format.h>
 
@@ -34,7 +34,7 @@ std::pair<double, double> angles(const std::string& text) {
 
 }  // namespace
 
-View parse_view(const std::string& direction, const std::string& up) {
+Camera parse_camera(const std::string& direction, const std::string& up) {
   const bool down = up.size() == 2 && up[0] == '-';
   const char letter = up.empty() ? ' ' : up.back();
   if ((up.size() != 1 && !down) || letter < 'x' || letter > 'z')
