@@ -32,7 +32,7 @@ double rms(const Eigen::MatrixXd& whitened, const Eigen::MatrixXd& raw, const Pr
 // Least squares first, then the settings' loss or objective; the whitening is brought up to date in
 // between.
 SolveReport solve_in_stages(Problem& problem, std::vector<double>& x, const FitOptions& options,
-                            bool robust) {
+                            bool robust, bool published) {
   SolveOptions solver;
   solver.max_iterations = options.max_iterations;
   problem.set_robust(false);
@@ -65,6 +65,9 @@ SolveReport solve_in_stages(Problem& problem, std::vector<double>& x, const FitO
     again();
   }
   if (robust) {
+    if (published)
+      problem.set_mean_slope(4 * problem.information(x).cost /
+                             static_cast<double>(problem.data().poses()));
     problem.set_robust(true);
     again();
   }
@@ -120,19 +123,19 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
   if (program.settings.full_scale) problem.divide_rows_by(fsr);
   if (problem.data().used() == 0)
     throw InputError({recordings.file, 0, 0}, "no row has all the values that a residual needs");
-  const bool robust = program.settings.objective == Objective::as_published ||
-                      program.settings.loss != LossKind::none;
+  const bool published = program.settings.objective == Objective::as_published,
+             robust = published || program.settings.loss != LossKind::none;
 
   // From a start to a solution; each pose's own unknowns are tried from several starts of their
   // own.
   auto solve_from = [&](std::vector<double>& at) {
     problem.reset_latent_values();
-    SolveReport found = solve_in_stages(problem, at, options, robust);
+    SolveReport found = solve_in_stages(problem, at, options, robust, published);
     if (problem.latents() > 0 && std::isfinite(found.final_cost)) {
       problem.scatter_latents(at, options.seed);
       if (problem.cost(at) < found.final_cost * (1 - 1e-9) - 1e-9) {
         const int before = found.iterations;
-        found = solve_in_stages(problem, at, options, robust);
+        found = solve_in_stages(problem, at, options, robust, published);
         found.iterations += before;
       }
     }

@@ -14,7 +14,7 @@ double Problem::Inside::prior_cost(std::span<const double> x) const {
   for (std::size_t i = 0; i < quantities.size(); ++i)
     if (quantities[i].tolerance)
       sum += std::pow((x[i] - quantities[i].value) / *quantities[i].tolerance, 2);
-  return noise_variance_of_rows * sum / 2;
+  return prior_weight() * sum / 2;
 }
 
 // factor^T factor = [[H, g], [g^T, 2 cost]]: H by a pivoted LDL^T of the scaled matrix, so that a
@@ -119,7 +119,7 @@ Normal Problem::Inside::normal(std::span<const double> x, bool on, bool priors) 
       Buffer rows_of_priors(static_cast<std::size_t>(n) * (n + 1), 0);
       for (int i = 0; i < n; ++i)
         if (quantities[i].tolerance) {
-          const double weight = std::sqrt(noise_variance_of_rows) / *quantities[i].tolerance;
+          const double weight = std::sqrt(prior_weight()) / *quantities[i].tolerance;
           rows_of_priors[static_cast<std::size_t>(i) * n + i] = weight;
           rows_of_priors[static_cast<std::size_t>(n) * n + i] =
               weight * (x[i] - quantities[i].value);
@@ -134,8 +134,7 @@ Normal Problem::Inside::normal(std::span<const double> x, bool on, bool priors) 
   if (priors)
     for (int i = 0; i < n; ++i)
       if (quantities[i].tolerance) {
-        const double t2 =
-            *quantities[i].tolerance * *quantities[i].tolerance / noise_variance_of_rows;
+        const double t2 = *quantities[i].tolerance * *quantities[i].tolerance / prior_weight();
         G(i, i) += 1 / t2;
         G(i, n) += (x[i] - quantities[i].value) / t2;
       }

@@ -252,6 +252,7 @@ double Problem::latent_freedom(std::span<const double> x) {
 
 double Problem::noise_variance() const { return in_->noise_variance_of_rows; }
 void Problem::set_noise_variance(double variance) { in_->noise_variance_of_rows = variance; }
+void Problem::set_mean_slope(double slope) { in_->mean_slope = slope; }
 void Problem::set_qr(bool on) { in_->qr = on && in_->groups.shared.empty(); }
 bool Problem::qr() const { return in_->qr; }
 const Dataset& Problem::data() const { return in_->data; }

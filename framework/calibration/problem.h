@@ -72,6 +72,9 @@ class Problem {
   // Where the noise is not stated, priors weigh in units of the estimated one: the variance of a
   // weighted row.
   void set_noise_variance(double variance);
+  // The published objective squares each pose's sum of squares s, so its rows pull 2 s times as
+  // hard, and so must the tolerances: by the mean of 2 s at the least-squares solution.
+  void set_mean_slope(double slope);
   void set_qr(bool on);  // accumulate by QR instead of Gram matrices
   bool qr() const;
   void hold(const std::vector<double>& parameters);  // their values where only unknowns are free

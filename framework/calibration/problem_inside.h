@@ -47,6 +47,8 @@ struct Problem::Inside {
   bool robust = true, qr = false, dense = false;
   std::size_t dependent_rows = 0;  // that follow from others of their pose and tell nothing new
   double noise_variance_of_rows = 1;
+  double mean_slope = 1;  // of the published objective: how much more it pulls than least squares
+  double prior_weight() const { return noise_variance_of_rows * (robust ? mean_slope : 1); }
   Buffer weights;  // per batch: [row][lane], or [row][row][lane] where dense
   Buffer latent;   // per batch: [latent][lane], the last solution
   Buffer latent_trial;
