@@ -14,7 +14,9 @@ std::vector<Coordinate> coordinates(const Program& program) {
   std::vector<Coordinate> list;
   const std::pair<double, double> turn(-60 * deg, 60 * deg);
   for (const Reading& r : program.readings) {
-    list.push_back({r.sensor, r.column, r.dimension, 0, r.range});
+    const bool outside = r.range && (r.range->first > 0 || r.range->second < 0);
+    list.push_back({r.sensor, r.column, r.dimension,
+                    outside ? (r.range->first + r.range->second) / 2 : 0, r.range});
     if (!r.range && r.dimension == angle) list.back().range = turn;
   }
   for (const Unknown& u : program.unknowns) {

@@ -16,7 +16,7 @@ namespace talus {
 struct Coordinate {
   std::string name, column;  // the sensor and its column; the unknown, twice
   Dimension dimension;
-  double rest;  // zero, or the unknown's start
+  double rest;  // zero, or the middle of the range where zero is outside; the unknown's start
   std::optional<std::pair<double, double>> range;
 };
 std::vector<Coordinate> coordinates(const Program& program);
@@ -29,8 +29,7 @@ struct Settings {
 // `count` poses drawn uniformly from the sensors' ranges and the bounds of unknowns per pose;
 // without these an angle is drawn from -60 to 60 deg and anything else stays at its start.
 Settings random_settings(const Program& program, int count, std::uint64_t seed);
-// "encoder1=-20:20:10; q1=0,30,60": every combination; what is not named stays at zero or its
-// start.
+// "encoder1=-20:20:10; q1=0,30,60": every combination; what is not named rests.
 Settings grid_settings(const Program& program, const std::string& grid);
 
 }  // namespace talus

@@ -6,8 +6,8 @@
 #include <list>
 #include <memory>
 
+#include "framework/calibration/inverse.h"
 #include "framework/cli/commands.h"
-#include "framework/model/quantity.h"
 #include "framework/report/draw.h"
 #include "framework/report/draw_canvas.h"
 #include "framework/report/draw_film.h"
@@ -52,6 +52,28 @@ void check_pose(int pose, std::size_t count, const std::string& word) {
                      fmt::format("1 to {}", count));
 }
 
+// A linkage whose readings are recorded is shown where they say; otherwise it must reach what was
+// measured. What was found, and what could not be, is told.
+Settings coordinates_of(Program& program, const Recordings& recordings, const Options& o) {
+  const bool sensed = std::all_of(program.readings.begin(), program.readings.end(),
+                                  [&](const Reading& r) { return recordings.find(r.column); });
+  Recovered found = recover(program, recordings, sensed ? Reach::nearest : Reach::exactly,
+                            o.common.thread_count());
+  std::vector<std::string> still;
+  for (const Unknown& u : program.unknowns)
+    if (u.per.empty() && !recordings.find(u.name) &&
+        std::find(found.solved.begin(), found.solved.end(), u.name) == found.solved.end())
+      still.push_back(u.name);
+  if (o.common.quiet) return found.settings;
+  if (!found.solved.empty())
+    fmt::print(stderr, "{}: {} found from what was measured.\n", recordings.file,
+               join(found.solved));
+  if (!still.empty())
+    fmt::print(stderr, "{} has no column {}: there the model's start is shown.\n", recordings.file,
+               join(still, " nor "));
+  return found.settings;
+}
+
 Poses from_table(Program& program, const std::string& file, const Options& o) {
   Recordings recordings = read_recordings(file);
   Poses poses{.word = "row"};
@@ -61,13 +83,7 @@ Poses from_table(Program& program, const std::string& file, const Options& o) {
     recordings = only_row(std::move(recordings), o.pose - 1);
     poses.numbers = {o.pose};
   }
-  std::vector<std::string> still;
-  for (const Unknown& u : program.unknowns)
-    if (u.per.empty() && !recordings.find(u.name)) still.push_back(u.name);
-  if (!still.empty() && !o.common.quiet)
-    fmt::print(stderr, "{} has no column {}: there the model's start is shown.\n", file,
-               join(still, " nor "));
-  poses.settings = settings_from(program, recordings, o.common.thread_count());
+  poses.settings = coordinates_of(program, recordings, o);
   auto& all = poses.settings.poses;
   for (std::size_t k = 0; k < all.size(); ++k)
     if (poses.numbers[k] == o.pose && !whole(all[k]))
@@ -83,38 +99,18 @@ Poses from_table(Program& program, const std::string& file, const Options& o) {
   return poses;
 }
 
-// What the grid does not name rests, which for a range without zero is its middle.
-std::string with_resting(const Program& program, std::string grid) {
-  const std::vector<double> rest = resting_pose(program);
-  std::vector<std::string> named;
-  for (const std::string& part : CLI::detail::split(grid, ';'))
-    named.push_back(CLI::detail::trim_copy(part.substr(0, part.find('='))));
-  for (std::size_t i = 0; i < program.readings.size(); ++i) {
-    const Reading& r = program.readings[i];
-    if (rest[i] != 0 && std::find(named.begin(), named.end(), r.sensor) == named.end())
-      grid += fmt::format("; {}={}", r.sensor, shortest(rest[i], program.units.of(r.dimension)));
-  }
-  return grid;
-}
-
 Poses poses_of(Program& program, const Options& o) {
   if (!o.recordings.empty() + !o.poses.empty() + !o.grid.empty() > 1)
     throw InputError({"talus draw", 0, 0}, "recordings, --poses and --grid exclude each other",
                      "one of them");
   if (!o.recordings.empty()) return from_table(program, o.recordings, o);
   Poses poses{.word = "pose"};
-  if (!o.grid.empty()) {
-    poses.settings = grid_settings(program, with_resting(program, o.grid));
-  } else if (o.poses.empty()) {
-    poses.settings = {{resting_pose(program)}};
-  } else if (o.poses.find_first_not_of("0123456789") == std::string::npos) {
-    if (o.poses.size() > 7 || std::stoi(o.poses) == 0 || std::stoi(o.poses) > 1000000)
-      throw InputError({"--poses " + o.poses, 0, 0}, "no such number of poses",
-                       "1 to 1000000, or a CSV file");
-    poses.settings = random_settings(program, std::stoi(o.poses), o.common.seed);
-  } else {
+  if (auto drawn = drawn_settings(program, o.poses, o.grid, o.common.seed))
+    poses.settings = std::move(*drawn);
+  else if (!o.poses.empty())
     return from_table(program, o.poses, o);
-  }
+  else
+    poses.settings = {{resting_pose(program)}};
   check_pose(o.pose, poses.settings.poses.size(), poses.word);
   for (std::size_t k = 1; k <= poses.settings.poses.size(); ++k)
     poses.numbers.push_back(static_cast<int>(k));

@@ -24,14 +24,9 @@ std::string value_text(double value, const Unit& unit) {
 
 std::string coordinates_text(const Program& program, const std::vector<double>& pose) {
   std::vector<std::string> words;
-  for (std::size_t i = 0; i < pose.size(); ++i) {
-    const bool reading = i < program.readings.size();
-    const std::size_t u = i - program.readings.size();
-    const Dimension dimension =
-        reading ? program.readings[i].dimension : program.unknowns[u].dimension;
-    words.push_back((reading ? program.readings[i].sensor : program.unknowns[u].name) + " " +
-                    value_text(pose[i], program.units.of(dimension)));
-  }
+  const std::vector<Coordinate> list = coordinates(program);
+  for (std::size_t i = 0; i < pose.size(); ++i)
+    words.push_back(list[i].name + " " + value_text(pose[i], program.units.of(list[i].dimension)));
   return join(words);
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/calibration/simulate.h"
+#include "framework/calibration/settings.h"
 #include "framework/report/draw_picture.h"
 
 namespace talus {
@@ -18,8 +18,7 @@ struct DrawOptions {
   std::vector<std::string> titles;  // before the coordinates of each pose: "row 3"
 };
 
-// Every coordinate at zero, or in the middle of its range where zero is outside; unknowns at their
-// start.
+// Every coordinate at rest.
 std::vector<double> resting_pose(const Program& program);
 
 // `between` poses between every two that follow each other; angles turn the shorter way.

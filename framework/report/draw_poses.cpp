@@ -9,18 +9,13 @@ namespace talus {
 
 std::vector<double> resting_pose(const Program& program) {
   std::vector<double> pose;
-  for (const Reading& r : program.readings) {
-    const bool outside = r.range && (r.range->first > 0 || r.range->second < 0);
-    pose.push_back(outside ? (r.range->first + r.range->second) / 2 : 0);
-  }
-  for (const Unknown& u : program.unknowns) pose.push_back(u.start.value);
+  for (const Coordinate& c : coordinates(program)) pose.push_back(c.rest);
   return pose;
 }
 
 Settings interpolated(const Program& program, const Settings& settings, int between) {
   std::vector<bool> turns;
-  for (const Reading& r : program.readings) turns.push_back(r.dimension == angle);
-  for (const Unknown& u : program.unknowns) turns.push_back(u.dimension == angle);
+  for (const Coordinate& c : coordinates(program)) turns.push_back(c.dimension == angle);
   Settings result;
   for (std::size_t k = 0; k + 1 < settings.poses.size(); ++k)
     for (int i = 0; i <= between; ++i) {
@@ -39,8 +34,7 @@ Settings interpolated(const Program& program, const Settings& settings, int betw
 Settings same_poses(const Program& program, const Settings& settings, const Program& other,
                     const Place& place) {
   std::vector<std::vector<std::string>> names;  // of each coordinate of `program`
-  for (const Reading& r : program.readings) names.push_back({r.column, r.sensor});
-  for (const Unknown& u : program.unknowns) names.push_back({u.name});
+  for (const Coordinate& c : coordinates(program)) names.push_back({c.column, c.name});
   auto find = [&](const std::vector<std::string>& wanted) {
     for (const std::string& w : wanted)
       for (std::size_t i = 0; i < names.size(); ++i)
@@ -50,9 +44,8 @@ Settings same_poses(const Program& program, const Settings& settings, const Prog
   };
   std::vector<int> from;
   std::vector<std::string> theirs, ours;
-  for (const Reading& r : other.readings)
-    from.push_back(find({r.column, r.sensor})), theirs.push_back(r.sensor);
-  for (const Unknown& u : other.unknowns) from.push_back(find({u.name})), theirs.push_back(u.name);
+  for (const Coordinate& c : coordinates(other))
+    from.push_back(find({c.column, c.name})), theirs.push_back(c.name);
   for (const auto& n : names) ours.push_back(n.back());
   if (!from.empty() && !names.empty() &&
       std::all_of(from.begin(), from.end(), [](int i) { return i < 0; }))
