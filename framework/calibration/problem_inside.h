@@ -30,7 +30,7 @@ struct Problem::Inside {
   ProblemOptions options;
   Groups groups;
   std::vector<int> latent_slots, shared_slots, noisy_slots;
-  std::vector<double> noise_variance;   // of noisy_slots: the readings', then ones of the columns
+  std::vector<double> noise_variance;   // of the noisy readings
   std::vector<int> noisy_columns;       // of those among the columns that were worked out from
                                         // points: where each stands in Recordings::noise
   const MeasuredNoise* measured_noise;  // null: none

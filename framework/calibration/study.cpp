@@ -118,7 +118,9 @@ StudyRow StudiedDesign::run(double noise, std::uint64_t design, const StudyOptio
     std::vector<Eigen::Isometry3d> measured;
     for (std::vector<double> readings : reached_.settings.poses) {
       for (std::size_t i = 0; i < linkage_->readings.size(); ++i)
-        if (linkage_->readings[i].dimension == angle) readings[i] += noise * normal(random);
+        readings[i] +=
+            (linkage_->readings[i].dimension == angle ? noise : linkage_->readings[i].sigma) *
+            normal(random);
       measured.push_back(own.linkage(readings));
     }
     errors[trial] = motion_->errors(own.finder, measured);

@@ -88,32 +88,34 @@ Model open_model(const std::string& file, Registry& registry, const Common& comm
 
 Measured open_recordings(const Program& program, const std::string& file,
                          const std::string& points_file) {
-  Measured measured{read_recordings(file), {}, {}, {}};
+  Measured measured{read_recordings(file), {}, {}, {}, {}};
   if (!is_probed(program)) {
     if (!points_file.empty())
       throw InputError({points_file, 0, 0}, "the model has nothing that is probed",
                        "a feature with probed=\"...\"");
     return measured;
   }
-  const std::filesystem::path beside = std::filesystem::path(file).parent_path() / "points.csv";
-  const std::string points = !points_file.empty()              ? points_file
-                             : std::filesystem::exists(beside) ? beside.string()
-                                                               : "";
-  if (!points.empty()) return measure(program, std::move(measured.recordings), read_points(points));
+  // What is recorded already needs no points; asked for by name, they come first.
+  std::string missing;
   for (const Feature& f : program.features)
-    if (f.probed && !measured.recordings.find(program.columns[f.columns[0]].name))
-      throw InputError({file, 0, 0},
-                       fmt::format("there are no probed points, and no column '{}'",
-                                   program.columns[f.columns[0]].name),
-                       "--points FILE, or points.csv beside the recordings");
-  return measured;
+    for (int c : f.columns)
+      if (f.probed && !measured.recordings.find(program.columns[c].name))
+        missing = program.columns[c].name;
+  if (points_file.empty() && missing.empty()) return measured;
+  const std::filesystem::path beside = std::filesystem::path(file).parent_path() / "points.csv";
+  if (points_file.empty() && !std::filesystem::exists(beside))
+    throw InputError({file, 0, 0},
+                     fmt::format("there are no probed points, and no column '{}'", missing),
+                     "--points FILE, or points.csv beside the recordings");
+  return measure(program, std::move(measured.recordings),
+                 read_points(points_file.empty() ? beside.string() : points_file));
 }
 
 void add_points(CLI::App& command, std::string& points_file) {
   command
       .add_option("--points", points_file,
                   "probed points of a coordinate measuring machine (default: points.csv beside "
-                  "the recordings, where the model has probed features)")
+                  "the recordings, where these lack the columns of probed features)")
       ->type_name("FILE");
 }
 

@@ -17,6 +17,8 @@ struct Options {
 void run(const Options& o) {
   check_writable(o.file);
   check_writable(o.points);
+  if (!o.points.empty() && o.points == o.file)
+    throw InputError({o.points, 0, 0}, "--points and --recordings name one file", "two files");
   Registry registry = o.common.registry();
   Program program = compile(open_model(o.model, registry, o.common), registry);
   std::optional<Settings> settings = drawn_settings(program, o.poses, o.grid, o.common.seed);
@@ -27,6 +29,7 @@ void run(const Options& o) {
   const std::string origin =
       fmt::format("# simulated from {} by talus {}, seed {}, noise {:g} times the stated sigmas\n",
                   o.model, TALUS_VERSION, o.common.seed, o.noise);
+  std::string points;
   if (!o.points.empty()) {  // the probed features are in the points, not in the recordings
     if (!is_probed(program))
       throw InputError({o.model, 0, 0}, "--points: nothing in this model is probed",
@@ -37,10 +40,16 @@ void run(const Options& o) {
           std::erase_if(recordings.columns, [&](const RecordedColumn& column) {
             return column.name == program.columns[c].name;
           });
-    put(o.points,
-        origin + write_points(simulate_points(program, settings->poses, o.common.seed, o.noise)));
+    for (const ProbedShape& s : program.shapes)
+      if (o.noise > 0 && !s.sigma && s.through.empty())
+        fmt::print(stderr, "Warning: '{}' states no sigma; its points are without noise.\n",
+                   s.name);
+    points =
+        origin + write_points(simulate_points(program, settings->poses, o.common.seed, o.noise));
   }
-  put(o.file, origin + write_recordings(recordings));
+  const std::string table = origin + write_recordings(recordings);
+  if (!o.points.empty()) put(o.points, points);
+  put(o.file, table);
 }
 
 }  // namespace

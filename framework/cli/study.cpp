@@ -109,6 +109,7 @@ void run(const Options& o) {
       fixed += (std::ostringstream() << in.rdbuf()).str();
     }
   }
+  fixed += TALUS_VERSION;
   fixed += fmt::format("{}|{}|{}|{}|{}|{}|{}|{}|{}", o.vary, o.noise, o.grid, o.trials,
                        o.common.seed, join(o.common.sets, "|"), o.words.of + "|" + o.words.by,
                        o.words.frames, join(o.words.reverse, "|"));

@@ -22,7 +22,9 @@ std::vector<Varied> parse_vary(const std::string& text) {
     Varied varied{CLI::detail::trim_copy(word.substr(0, equals)), {}};
     const std::string values = word.substr(equals + 1);
     auto as_number = [&](const std::string& s) {
-      return parse_quantity(CLI::detail::trim_copy(s), number, {}, place).value;
+      const Quantity q = parse_quantity(CLI::detail::trim_copy(s), number, {}, place);
+      if (q.free) throw InputError(place, "'" + s + "' is free", "a number without tolerance");
+      return q.value;
     };
     if (values.find(':') == std::string::npos) {
       for (const std::string& v : CLI::detail::split(values, ','))
@@ -39,6 +41,9 @@ std::vector<Varied> parse_vary(const std::string& text) {
       for (int i = 0; i <= static_cast<int>(count); ++i)
         varied.values.push_back(fmt::format("{:.12g}", first + i * step));
     }
+    for (const Varied& other : list)
+      if (other.name == varied.name)
+        throw InputError(place, fmt::format("'{}' is varied twice", varied.name), "once");
     list.push_back(std::move(varied));
   }
   return list;
@@ -64,13 +69,15 @@ std::vector<std::vector<std::string>> designs_of(const std::vector<Varied>& vari
 std::vector<double> parse_noise(const std::string& text) {
   std::vector<double> list;
   const Place place{"--noise", 0, 0};
-  auto words = CLI::detail::split(text, ',');
-  const std::size_t letter = words.back().find_first_of("abcdefghijklmnopqrstuvwxyz");
-  const std::string unit = letter == std::string::npos ? "" : " " + words.back().substr(letter);
-  if (letter != std::string::npos) words.back().erase(letter);
+  const auto words = CLI::detail::split(text, ',');
+  // Where the unit stands behind the last number only, it is that of all.
+  const std::string last = CLI::detail::trim_copy(words.back());
+  const std::size_t blank = last.find(' ');
+  const std::string unit = blank == std::string::npos ? "" : last.substr(blank);
   for (const std::string& word : words) {
-    list.push_back(
-        parse_quantity(CLI::detail::trim_copy(word) + unit, angle, UnitSystem{}, place).value);
+    const std::string own = CLI::detail::trim_copy(word);
+    const bool plain = own.find_first_not_of("+-0123456789.eE") == std::string::npos;
+    list.push_back(parse_quantity(plain ? own + unit : own, angle, UnitSystem{}, place).value);
     if (!(list.back() > 0))
       throw InputError(place, "'" + CLI::detail::trim_copy(word) + "'", "more than zero");
   }

@@ -116,10 +116,14 @@ void Compiler::datum(const Element& element) {
           a->place,
           fmt::format("'{}' is a {}, which has no axis", shape, program_.shapes[axis.shape].tag),
           "a plane, line, circle or cylinder");
-    for (const Datum::Axis& other : d.axes)
+    for (const Datum::Axis& other : d.axes) {
+      if (other.shape == axis.shape)
+        throw InputError(a->place, fmt::format("'{}' gives an axis already", shape),
+                         "another shape");
       if (other.axis == axis.axis)
         throw InputError(a->place, fmt::format("a second shape for the axis {}", text[0]),
                          "another axis");
+    }
     d.axes.push_back(axis);
   }
   if (element.find("check") && !element.find("secondary"))
@@ -162,9 +166,20 @@ Probed Compiler::probed(const Element& element, Kind kind) const {
   if (kind == Kind::frame && result.datum < 0)
     throw InputError(a->place, fmt::format("'{}' is a {}", what, program_.shapes[result.shape].tag),
                      "a datum: a frame is measured");
-  if (kind == Kind::frame && program_.datums[result.datum].axes.size() < 2)
-    throw InputError(a->place, fmt::format("the datum '{}' has one axis only", what),
-                     "a datum with primary and secondary axes: a frame is measured");
+  // A datum with one axis may turn about it as it likes: it has an origin and that axis.
+  auto whole = [&](int datum, const char* expected) {
+    if (datum >= 0 && program_.datums[datum].axes.size() < 2)
+      throw InputError(a->place,
+                       fmt::format("the datum '{}' has one axis only", program_.datums[datum].name),
+                       expected);
+  };
+  if (kind == Kind::frame)
+    whole(result.datum, "a datum with primary and secondary axes: a frame is measured");
+  if (kind == Kind::direction && result.datum >= 0 &&
+      program_.datums[result.datum].axes[0].axis != 2)
+    whole(result.datum, "a datum with a secondary axis, or primary=\"z=...\": its z is measured");
+  if (kind != Kind::scalar)
+    whole(result.in, "a datum with primary and secondary axes to measure in");
   if (kind == Kind::direction && result.shape >= 0 &&
       program_.shapes[result.shape].declaration.sense == Sense::none)
     throw InputError(a->place,

@@ -1,5 +1,7 @@
 #include "framework/metrology/datum.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
@@ -33,7 +35,7 @@ Derived nearest_point(const std::vector<const FittedShape*>& shapes, const Datum
   if (!(sum.determinant() > 1e-6))
     throw InputError(
         datum.place,
-        "the shapes named for the origin of datum '" + datum.name + "' do not fix a point",
+        fmt::format("the shapes named for the origin of datum '{}' do not fix a point", datum.name),
         "a circle or sphere, an axis and a plane across it, or three planes");
   const Eigen::Matrix3d inverse = sum.inverse();
   Derived o{inverse * right, Matrix3Xd::Zero(3, shapes[0]->origin.by.cols())};
@@ -74,6 +76,12 @@ DerivedFrame frame_of(const Datum& datum, const std::vector<FittedShape>& shapes
     const double along = a.value.dot(raw.value);
     b.value = raw.value - along * a.value;
     const double length = b.value.norm();
+    if (!(length > 0.1))
+      throw InputError(datum.place,
+                       fmt::format("two axes of datum '{}' follow shapes that are {:.2g} deg from "
+                                   "parallel",
+                                   datum.name, std::asin(std::min(1.0, length)) / deg),
+                       "shapes whose axes are about at right angles");
     const Eigen::RowVectorXd dalong = a.value.transpose() * raw.by + raw.value.transpose() * a.by;
     b.by = (raw.by - outer(a.value, dalong) - along * a.by) / length;
     b.value /= length;

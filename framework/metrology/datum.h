@@ -16,7 +16,8 @@ struct DerivedFrame {
   Eigen::Matrix3Xd turn;  // 3 x n
 };
 
-// `square` becomes the largest departure (rad) from a right angle of the shapes' axes.
+// `square` becomes the largest departure (rad) from a right angle of the shapes' axes. InputError
+// where the shapes fix no origin, or two axes along (nearly) one line.
 DerivedFrame frame_of(const Datum& datum, const std::vector<FittedShape>& shapes, double& square);
 
 // Columns of a feature of some kind, as its plugin observes them, and their derivatives.

@@ -26,12 +26,13 @@ struct ShapeQuality {
 // How square the shapes are of which a datum is made.
 struct DatumQuality {
   std::string name;
-  double worst = 0;  // rad: largest departure from a right angle of the shapes' axes
+  double worst = 0;  // rad: largest departure from a right angle of the shapes' axes; NaN: one axis
   double worst_pose = 0;
 };
 
 struct Measured {
   Recordings recordings;
+  std::string points_file;  // empty: nothing was probed
   std::vector<ShapeQuality> shapes;
   std::vector<DatumQuality> datums;
   std::vector<std::string> warnings;  // whole sentences

@@ -109,9 +109,15 @@ FittedShape ShapeFitter::fit(const std::vector<Derived>& points) const {
     for (double side : {-size, size})
       for (int j = 0; j < 3; ++j) starts.push_back({middle + side * E.col(i), E.col(j)});
   // Where points may fit a shape in two ways, all directions are tried.
-  const std::size_t fewest =
-      shape_->declaration.sense == Sense::along && per_point_ == 1 ? along.size() : 1;
-  std::vector<std::pair<double, Vector3d>> found;  // cost and axis
+  const std::size_t fewest = shape_->radius ? starts.size()
+                             : shape_->declaration.sense == Sense::along && per_point_ == 1
+                                 ? along.size()
+                                 : 1;
+  struct Solution {
+    double cost;
+    Vector3d origin, axis;
+  };
+  std::vector<Solution> found;
   const double good = std::pow(1e-3 * size, 2) * n;
   for (std::size_t k = 0; k < starts.size() && (k < fewest || least > good); ++k) {
     const Vector3d& from = starts[k].origin;
@@ -130,20 +136,13 @@ FittedShape ShapeFitter::fit(const std::vector<Derived>& points) const {
     const Eigen::Matrix3d turned = frame * (Eigen::AngleAxisd(q[3], Vector3d::UnitX()) *
                                             Eigen::AngleAxisd(q[4], Vector3d::UnitY()))
                                                .toRotationMatrix();
-    found.emplace_back(summary.final_cost, turned.col(2));
+    found.push_back({summary.final_cost, from + frame * q.head<3>(), turned.col(2)});
     if (!(summary.final_cost < least)) continue;
     least = summary.final_cost;
     origin = from + frame * q.head<3>();
     R = turned;
     radius = q[5];
   }
-  // Eight corners of a box lie on three cylinders: which one was meant?
-  if (shape_->declaration.sense != Sense::none)
-    for (const auto& [cost, axis] : found)
-      result.ambiguous |=
-          cost < 9 * least + 1e-18 * size * size && axis.cross(R.col(2)).norm() > 0.05;
-  if (radius < 0) radius = -radius;  // the same sphere or cylinder
-
   // Sense of the axis, from the order of the points.
   double sense = 0;
   if (shape_->declaration.sense == Sense::along)
@@ -152,6 +151,10 @@ FittedShape ShapeFitter::fit(const std::vector<Derived>& points) const {
     for (int i = 0; i < n; ++i)
       sense += R.col(2).dot((points[i].value - middle).cross(points[(i + 1) % n].value - middle));
   if (sense < 0) R.col(2) *= -1, R.col(1) *= -1;
+  const double clear = shape_->declaration.sense == Sense::around ? size * size : size;
+  result.sense = shape_->declaration.sense == Sense::none
+                     ? 1
+                     : std::min(1.0, std::abs(sense) / std::max(clear, 1e-300));
 
   // Derivatives at the solution, in its own frame.
   Cost cost{*this, {}, shape_->radius.has_value()};
@@ -163,7 +166,6 @@ FittedShape ShapeFitter::fit(const std::vector<Derived>& points) const {
   Eigen::MatrixXd J(m, kUnknowns);
   cost(q.data(), f.data(), J.data());
   result.squares = f.squaredNorm();
-  result.deviations = m;
   Eigen::Matrix<double, kUnknowns, 1> scale = Eigen::Matrix<double, kUnknowns, 1>::Ones();
   scale[3] = scale[4] = 1 / std::max(size, 1e-9);
   const Eigen::MatrixXd scaled = J * scale.asDiagonal();
@@ -183,11 +185,23 @@ FittedShape ShapeFitter::fit(const std::vector<Derived>& points) const {
       df.row(row) = Eigen::Map<const Eigen::RowVector3d>(&v[d * kStride + 1 + kUnknowns]) * local;
   }
   const Eigen::MatrixXd dq = -inverse * df;
+  // What the deviations do when the points move and the fit follows: as many directions as are left
+  // to judge it by. (Points that were projected on a plane have none out of it.)
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> left(df + J * dq);
+  left.setThreshold(1e-6);
+  result.surplus = raw > 0 ? static_cast<int>(left.rank()) : m - result.freedom;
   result.origin = {origin, R * dq.topRows<3>()};
   result.axis = {R.col(2), R.col(0) * dq.row(4) - R.col(1) * dq.row(3)};
   result.radius = radius;
   for (int i = 0; i < 3; ++i)
     if (J.col(i).norm() < 1e-9) result.held -= R.col(i) * R.col(i).transpose();
+  // Eight corners of a box lie on three cylinders, a ring of points on two spheres of known radius:
+  // which one was meant?
+  for (const Solution& other : found)
+    if (other.cost < 9 * least + 1e-18 * size * size)
+      result.ambiguous |=
+          (shape_->declaration.sense != Sense::none && other.axis.cross(R.col(2)).norm() > 0.05) ||
+          (result.held * (other.origin - origin)).norm() > 0.05 * size;
   return result;
 }
 

@@ -27,10 +27,12 @@ struct FittedShape {
   double radius = 0;                                   // mm
   Eigen::Matrix3d held = Eigen::Matrix3d::Identity();  // projects on where the origin is determined
   double squares = 0;                                  // sum of squared deviations, mm^2
-  int deviations = 0, freedom = 0;
+  int freedom = 0;                                     // numbers of the shape that the points fix
+  int surplus = 0;  // deviations that its points could show beyond those that the fit takes up
   int points = 0;
   bool determined = false;  // by these points
-  bool ambiguous = false;   // another one, turned, fits them as well
+  double sense = 1;  // how clearly the order of the points tells the axis's sense: 1 clear, 0 not
+  bool ambiguous = false;  // another one, turned, fits them as well
 };
 
 class ShapeFitter {

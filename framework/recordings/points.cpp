@@ -24,6 +24,10 @@ struct Layout {
 
 Layout layout(const Lines& lines, const std::vector<Cell>& cells) {
   Layout result;
+  if (cells.size() == 1 && cells[0].text.find_first_of(";\t") != std::string_view::npos)
+    throw InputError(lines.place(cells[0].offset), "the cells are not separated by ','", a_header);
+  if (read_number(cells[0].text))
+    throw InputError(lines.place(0), "the first row holds numbers", a_header);
   result.cells = cells.size();
   const std::vector<std::string> names{"pose", "feature", "x", "y", "z"};
   std::array<bool, 5> found{};
@@ -42,11 +46,14 @@ Layout layout(const Lines& lines, const std::vector<Cell>& cells) {
                        a_header);
     found[which] = true;
     if (which < 2) {
+      if (open != std::string_view::npos)
+        throw InputError(lines.place(cells[i].offset + open),
+                         fmt::format("a unit on the column '{}'", name), a_header);
       (which == 0 ? result.pose : result.feature) = i;
       continue;
     }
     const std::size_t close = text.find(']');
-    const auto unit = open == std::string_view::npos || close == std::string_view::npos
+    const auto unit = open == std::string_view::npos || close + 1 != text.size()
                           ? std::nullopt
                           : parse_unit(text.substr(open + 1, close - open - 1));
     if (!unit || !(unit->dimension == length))

@@ -29,7 +29,7 @@ struct RecordedColumn {
 };
 
 // The covariance of measured columns that were worked out from raw points, row by row (internal
-// units; row-major over `columns`; empty where a value is missing).
+// units; row-major over `columns`).
 struct MeasuredNoise {
   std::vector<std::string> columns;
   std::vector<std::vector<double>> covariance;

@@ -14,8 +14,9 @@ std::vector<double> resting_pose(const Program& program) {
 }
 
 Settings interpolated(const Program& program, const Settings& settings, int between) {
-  std::vector<bool> turns;
-  for (const Coordinate& c : coordinates(program)) turns.push_back(c.dimension == angle);
+  // Unknown angles go the short way round; a reading goes straight: what it means is its sensor's.
+  std::vector<bool> turns(program.readings.size(), false);
+  for (const Unknown& u : program.unknowns) turns.push_back(u.dimension == angle);
   Settings result;
   for (std::size_t k = 0; k + 1 < settings.poses.size(); ++k)
     for (int i = 0; i <= between; ++i) {

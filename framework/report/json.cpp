@@ -46,7 +46,9 @@ Json list(const std::vector<FittedValue>& values, const UnitSystem& units) {
 
 Json probed(const Measured& measured, const UnitSystem& units) {
   const double mm = units.of(length).factor, rad = units.of(angle).factor;
-  Json out{{"unit", units.of(length).text}, {"angle_unit", units.of(angle).text}};
+  Json out{{"points", measured.points_file},
+           {"unit", units.of(length).text},
+           {"angle_unit", units.of(angle).text}};
   for (const ShapeQuality& s : measured.shapes)
     out["shapes"].push_back({{"name", s.name},
                              {"shape", s.tag},
@@ -58,7 +60,7 @@ Json probed(const Measured& measured, const UnitSystem& units) {
                              {"sigma", value(s.sigma / mm)}});
   for (const DatumQuality& d : measured.datums)
     out["datums"].push_back(
-        {{"name", d.name}, {"square_within", d.worst / rad}, {"worst_pose", d.worst_pose}});
+        {{"name", d.name}, {"square_within", value(d.worst / rad)}, {"worst_pose", d.worst_pose}});
   return out;
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -35,8 +36,10 @@ ResumableTable::ResumableTable(std::string file, std::string what, const std::st
   if (comment + "\n" + columns + "\n" != head_)
     throw InputError({file_, 1, 0}, fmt::format("was begun by {} with other settings", what),
                      "the same models and options to go on with it, or another --table");
+  const auto cells = std::count(header.begin(), header.end(), ',');
   for (std::string row; std::getline(in, row);)
-    if (!row.empty()) rows_.push_back(row);
+    if (std::count(row.begin(), row.end(), ',') == cells)  // not one that was cut short
+      rows_.push_back(row);
 }
 
 std::string ResumableTable::text() const {

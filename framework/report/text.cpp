@@ -125,10 +125,10 @@ std::string probing_text(const Program& program, const Measured& measured) {
   const Unit length_unit = program.units.of(length), angle_unit = program.units.of(angle);
   std::size_t width = 5;
   for (const ShapeQuality& s : measured.shapes) width = std::max(width, s.name.size());
-  std::string out =
-      fmt::format("Probed shapes ({})\n  {:<{}}  {:<8} {:>6} {:>7} {:>9} {:>9} {:>6} {:>14}\n",
-                  length_unit.text, "shape", width, "kind", "poses", "points", "RMSE", "worst",
-                  "(pose)", "noise of a point");
+  std::string out = fmt::format(
+      "Probed shapes ({}), points of {}\n  {:<{}}  {:<8} {:>6} {:>7} {:>9} {:>9} {:>6} {:>14}\n",
+      length_unit.text, measured.points_file, "shape", width, "kind", "poses", "points", "RMSE",
+      "worst", "(pose)", "noise of a point");
   for (const ShapeQuality& s : measured.shapes) {
     auto in = [&](double v) { return figure(v / length_unit.factor); };
     out += fmt::format("  {:<{}}  {:<8} {:>6} {:>7} {:>9} {:>9} {:>6} {:>14}\n", s.name, width,
@@ -136,8 +136,9 @@ std::string probing_text(const Program& program, const Measured& measured) {
                        fmt::format("{:g}", s.worst_pose), in(s.sigma));
   }
   for (const DatumQuality& d : measured.datums)
-    out += fmt::format("  datum {}: its shapes are square within {:.3g} {} (pose {:g})\n", d.name,
-                       d.worst / angle_unit.factor, angle_unit.text, d.worst_pose);
+    if (!std::isnan(d.worst))
+      out += fmt::format("  datum {}: its shapes are square within {:.3g} {} (pose {:g})\n", d.name,
+                         d.worst / angle_unit.factor, angle_unit.text, d.worst_pose);
   return out;
 }
 
