@@ -125,6 +125,9 @@ void Compiler::add_rows(const std::string& residual, int feature, const std::vec
     row.weight = weight;
     program_.rows.push_back(std::move(row));
   }
+  const bool turned = f.kind == Kind::frame || (f.kind == Kind::direction && !f.observed.angles);
+  if (plugin.declaration.dependent && turned && f.sigma_angle)
+    program_.features[feature].carried = true;
 }
 
 void Compiler::calibrate(const Element& element) {
