@@ -220,9 +220,20 @@ void Compiler::calibrate(const Element& element) {
       for (std::size_t f = 0; f < program_.features.size(); ++f)
         if (accepts(plugin->declaration, program_.features[f].kind)) use(static_cast<int>(f));
     }
-    if (!used)
+    if (!used) {
+      std::vector<std::string> measured, fitting;
+      for (const Feature& f : program_.features)
+        measured.push_back(f.name + " (" + to_string(f.kind) + ")");
+      for (const std::string& other : registry_.tags(Family::residual))
+        for (const Feature& f : program_.features)
+          if (accepts(registry_.find(other, Family::residual)->declaration, f.kind)) {
+            fitting.push_back(other);
+            break;
+          }
       throw InputError(residuals[r].place,
-                       fmt::format("residual '{}' fits none of the measured features", tag));
+                       fmt::format("residual '{}' fits none of the measured features", tag),
+                       fmt::format("for {}: {}", join(measured), join(fitting)));
+    }
   }
 }
 
