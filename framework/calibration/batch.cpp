@@ -1,4 +1,4 @@
-// What happens to one batch of poses: whitening, latent unknowns, losses, row transforms.
+// What happens to one batch of poses: rows whitened, latent unknowns, losses, row transforms.
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -38,7 +38,7 @@ void Problem::Inside::whiten(Bench& bench, int b) {
         out[l] = mask[r * lanes + l] != 0 ? raw[l] * w[r * lanes + l] : 0;
     } else {
       std::fill_n(out, lanes, 0.0);
-      for (int q = 0; q <= r; ++q) {
+      for (int q = 0; q < (pivoted ? m : r + 1); ++q) {
         const double *raw = plan.row(bench.workspace, q), *factor = w + (r * m + q) * lanes;
         for (int l = 0; l < lanes; ++l) out[l] += mask[q * lanes + l] != 0 ? factor[l] * raw[l] : 0;
       }
@@ -136,71 +136,6 @@ void Problem::Inside::solve_latent(Bench& bench, int b) {
               sizeof(double) * n * lanes);
 }
 
-// L^-1 with L L^T = diag(sigma^2) + J_q diag(sigma_q^2) J_q^T + J_c C J_c^T: J_q the rows'
-// derivatives by the readings, J_c those by columns worked out from points, whose covariance at
-// this pose is C. A row whose variance is nothing but a combination of those above it (the third
-// angle of a direction) is left out and counted.
-void Problem::Inside::combined_covariance(Bench& bench, int b, std::size_t& dependent) {
-  const int m = rows(), nq = static_cast<int>(noisy_slots.size()),
-            nc = static_cast<int>(noisy_columns.size()), nr = nq - nc;
-  plan.jacobian(bench.workspace, kReadings, {}, bench.columns.data(),
-                static_cast<std::size_t>(m) * lanes);
-  double* out = &weights[b * weight_block()];
-  const double* mask = data.mask(b);
-  Eigen::MatrixXd S(m, m), C(nc, nc), J(m, nc), inverse(m, m);
-  for (int l = 0; l < lanes; ++l) {
-    auto by = [&](int q, int row) {
-      return bench.columns[(static_cast<std::size_t>(q) * m + row) * lanes + l];
-    };
-    auto used = [&](int row) { return mask[row * lanes + l] != 0; };
-    for (int i = 0; i < m; ++i)
-      for (int j = 0; j <= i; ++j) {
-        const double own = by_points[i] ? 0 : 1 / (row_factor[i] * row_factor[i]);
-        double sum = i == j ? (used(i) ? own : 1) : 0;
-        if (used(i) && used(j))
-          for (int q = 0; q < nr; ++q) sum += by(q, i) * noise_variance[q] * by(q, j);
-        S(i, j) = S(j, i) = sum;
-      }
-    if (nc > 0 && l < data.batch(b).count) {
-      const auto& table = measured_noise->covariance[data.batch(b).poses[l]];
-      const auto n = measured_noise->columns.size();
-      for (int i = 0; i < nc; ++i)
-        for (int j = 0; j < nc; ++j) C(i, j) = table[noisy_columns[i] * n + noisy_columns[j]];
-      for (int i = 0; i < m; ++i)
-        for (int j = 0; j < nc; ++j) J(i, j) = used(i) ? by(nr + j, i) : 0;
-      S.noalias() += J * C * J.transpose();
-    }
-    // Forward: row i of L and of its inverse.
-    inverse.setZero();
-    Eigen::MatrixXd& L = S;
-    for (int i = 0; i < m; ++i) {
-      const double variance = S(i, i);
-      for (int j = 0; j < i; ++j) {
-        double sum = S(i, j);
-        for (int k = 0; k < j; ++k) sum -= L(i, k) * L(j, k);
-        L(i, j) = L(j, j) > 0 ? sum / L(j, j) : 0;
-      }
-      double left = variance;
-      for (int k = 0; k < i; ++k) left -= L(i, k) * L(i, k);
-      if (!(left > (by_points[i] ? 1e-6 : 1e-12) * variance)) {
-        L(i, i) = 0;
-        if (used(i) && l < data.batch(b).count) ++dependent;
-        continue;
-      }
-      L(i, i) = std::sqrt(left);
-      inverse(i, i) = 1 / L(i, i);
-      for (int j = 0; j < i; ++j) {
-        double sum = 0;
-        for (int k = j; k < i; ++k) sum -= L(i, k) * inverse(k, j);
-        inverse(i, j) = sum / L(i, i);
-      }
-    }
-    for (int i = 0; i < m; ++i)
-      for (int j = 0; j < m; ++j)
-        out[(i * m + j) * lanes + l] = j <= i && used(i) ? inverse(i, j) : 0;
-  }
-}
-
 // rho(s), rho'(s) and the curvature correction alpha (Triggs): rows become sqrt(rho') (I - alpha r
 // r^T / s) J and sqrt(rho') / (1 - alpha) r. Huber and Cauchy act on s per row of the pose, so
 // their scale is in sigmas.
@@ -242,7 +177,7 @@ RowTransform Problem::Inside::transform(Bench& bench, int b, bool on) {
     for (int i = 0; i < m; ++i) {
       r[i] = bench.whitened[i * lanes + l];
       if (dense)
-        for (int j = 0; j <= i; ++j) A(i, j) = w[(i * m + j) * lanes + l];
+        for (int j = 0; j < (pivoted ? m : i + 1); ++j) A(i, j) = w[(i * m + j) * lanes + l];
       else
         A(i, i) = w[i * lanes + l];
     }

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <random>
 
+#include "framework/calibration/carried_noise.h"
 #include "framework/calibration/gram.h"
 #include "framework/calibration/identifiability.h"
 #include "framework/calibration/problem_inside.h"
@@ -34,15 +35,17 @@ std::vector<int> unknown_slots(const Program& program, const Indices& indices) {
   return slots;
 }
 
-// Data whose noise is carried through the chain: readings with a sigma, then what is probed.
+// Data whose noise is carried to the rows: readings with a sigma, columns of features whose rows
+// follow from one another, then what is probed.
 std::vector<int> noisy(const Program& program, const ProblemOptions& options) {
   std::vector<int> slots;
   if (!options.propagate || program.settings.weighted) return slots;
   for (const Reading& r : program.readings)
     if (r.sigma > 0) slots.push_back(r.slot);
-  for (const Feature& f : program.features)
-    if (f.probed)
-      for (int c : f.columns) slots.push_back(program.columns[c].slot);
+  for (const bool carried : {true, false})
+    for (const Feature& f : program.features)
+      if (carried ? f.carried : f.probed && !f.carried)
+        for (int c : f.columns) slots.push_back(program.columns[c].slot);
   return slots;
 }
 
@@ -74,8 +77,11 @@ Problem::Inside::Inside(const Program& p, Plan the_plan, const Recordings& recor
       data(p, plan, recordings, rows, g) {
   if (latent_slots.size() > 8) throw InputError("more than 8 unknowns per pose");
   if (p.rows.empty()) throw InputError("the model has no residual: it measures nothing");
-  measured_noise = recordings.noise.columns.empty() ? nullptr : &recordings.noise;
-  by_points.assign(p.rows.size(), false);
+  carried = carried_noise(p, recordings);
+  if (!carried.columns.empty())
+    measured_noise = &carried;
+  else
+    measured_noise = recordings.noise.columns.empty() ? nullptr : &recordings.noise;
   for (int slot : noisy_slots) {
     for (const Reading& r : p.readings)
       if (r.slot == slot) noise_variance.push_back(r.sigma * r.sigma);
@@ -87,9 +93,15 @@ Problem::Inside::Inside(const Program& p, Plan the_plan, const Recordings& recor
     }
   }
   if (noise_variance.size() + noisy_columns.size() < noisy_slots.size())
-    noisy_slots.resize(noise_variance.size());  // probed features, but given as columns
-  for (std::size_t r = 0; r < p.rows.size(); ++r)
-    by_points[r] = !noisy_columns.empty() && bool(p.features[p.rows[r].feature].probed);
+    noisy_slots.resize(noise_variance.size() +
+                       noisy_columns.size());  // probed features, but given as columns
+  for (const Row& row : p.rows) {
+    const std::vector<int>& columns = p.features[row.feature].columns;
+    by_columns.push_back(!columns.empty() &&
+                         std::find(noisy_slots.begin(), noisy_slots.end(),
+                                   p.columns[columns[0]].slot) != noisy_slots.end());
+  }
+  pivoted = std::find(by_columns.begin(), by_columns.end(), true) != by_columns.end();
   for (const Parameter& parameter : p.parameters) held.push_back(parameter.nominal.value);
   if (!o.only_unknowns)
     for (const Parameter& parameter : p.parameters) {
@@ -265,7 +277,7 @@ void Problem::hold(const std::vector<double>& parameters) { in_->held = paramete
 bool Problem::noise_known() const {
   const std::vector<Row>& rows = in_->program.rows;
   for (std::size_t r = 0; r < rows.size(); ++r)
-    if (!rows[r].sigma && !in_->by_points[r]) return false;
+    if (!rows[r].sigma && !in_->by_columns[r]) return false;
   return !in_->program.settings.weighted;
 }
 

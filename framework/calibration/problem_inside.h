@@ -31,10 +31,11 @@ struct Problem::Inside {
   Groups groups;
   std::vector<int> latent_slots, shared_slots, noisy_slots;
   std::vector<double> noise_variance;   // of the noisy readings
-  std::vector<int> noisy_columns;       // of those among the columns that were worked out from
-                                        // points: where each stands in Recordings::noise
-  const MeasuredNoise* measured_noise;  // null: none
-  std::vector<bool> by_points;          // rows whose noise is that of such columns alone
+  std::vector<int> noisy_columns;       // of those among the measured columns: where each stands
+                                        // in measured_noise
+  MeasuredNoise carried;                // with features whose rows follow from one another
+  const MeasuredNoise* measured_noise;  // this one, or that of the points; null: none
+  std::vector<bool> by_columns;         // rows whose noise is that of such columns alone
   Plan plan;
   Dataset data;
   std::vector<double> start;
@@ -45,6 +46,7 @@ struct Problem::Inside {
   std::vector<Quantity> latent_prior;
   std::vector<Dimension> latent_dimensions;
   bool robust = true, qr = false, dense = false;
+  bool pivoted = false;            // the whitening takes rows in an order of its own, pose by pose
   std::size_t dependent_rows = 0;  // that follow from others of their pose and tell nothing new
   double noise_variance_of_rows = 1;
   double mean_slope = 1;  // of the published objective: how much more it pulls than least squares
@@ -74,12 +76,14 @@ struct Problem::Inside {
   void fill_weights();
   double latent_tolerance(int latent) const;
 
+  // whitening.cpp
+  void combined_covariance(Bench& bench, int b, std::size_t& dependent);
+
   // batch.cpp
   void load_state(Bench& bench, int b, std::span<const double> x) const;
   void evaluate(Bench& bench, int b);  // rows, whitened rows, squares; latent unknowns solved
   void whiten(Bench& bench, int b);
   void solve_latent(Bench& bench, int b);
-  void combined_covariance(Bench& bench, int b, std::size_t& dependent);
   void losses(Bench& bench, int b, bool robust);  // rho, rho', alpha of the squares
   RowTransform transform(Bench& bench, int b,
                          bool robust);  // whitening, projection, robust correction

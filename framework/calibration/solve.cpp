@@ -11,7 +11,9 @@ namespace {
 
 class WholeProblem : public ceres::CostFunction {
  public:
-  explicit WholeProblem(Problem& problem) : problem_(problem) {
+  // `broken` is set where the cost has a value but its derivatives do not. Ceres would write about
+  // such a point to standard error; it is told instead that nothing falls any more.
+  WholeProblem(Problem& problem, bool& broken) : problem_(problem), broken_(broken) {
     set_num_residuals(problem.size() + 1);
     mutable_parameter_block_sizes()->push_back(problem.size());
   }
@@ -25,7 +27,12 @@ class WholeProblem : public ceres::CostFunction {
       return std::isfinite(cost);
     }
     const Normal normal = problem_.normal(at);
-    if (!normal.factor.allFinite()) return false;
+    if (!normal.factor.allFinite()) {
+      broken_ = true;
+      std::fill_n(residuals, n + 1, 0.0);
+      std::fill_n(jacobians[0], (n + 1) * n, 0.0);
+      return true;
+    }
     Eigen::Map<Eigen::VectorXd>(residuals, n + 1) = normal.factor.col(n);
     Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
         jacobians[0], n + 1, n) = normal.factor.leftCols(n);
@@ -34,6 +41,7 @@ class WholeProblem : public ceres::CostFunction {
 
  private:
   Problem& problem_;
+  bool& broken_;
 };
 
 // Ends a solution that creeps along a valley: over 25 iterations chi-square has fallen by less than
@@ -79,9 +87,10 @@ SolveReport minimise(Problem& problem, std::vector<double>& x, const SolveOption
                      const std::vector<int>& held) {
   SolveReport report;
   const int n = problem.size();
+  bool broken = false;
   ceres::Problem ceres_problem;
   ceres_problem.AddParameterBlock(x.data(), n);
-  ceres_problem.AddResidualBlock(new WholeProblem(problem), nullptr, x.data());
+  ceres_problem.AddResidualBlock(new WholeProblem(problem, broken), nullptr, x.data());
   for (int i = 0; i < n; ++i)
     if (const auto& bounds = problem.quantity(i).bounds) {
       ceres_problem.SetParameterLowerBound(x.data(), i, bounds->first);
@@ -101,14 +110,15 @@ SolveReport minimise(Problem& problem, std::vector<double>& x, const SolveOption
   solver.callbacks.push_back(&creeping);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &ceres_problem, &summary);
-  report.converged = summary.termination_type == ceres::CONVERGENCE ||
-                     summary.termination_type == ceres::USER_SUCCESS;
+  report.converged = !broken && (summary.termination_type == ceres::CONVERGENCE ||
+                                 summary.termination_type == ceres::USER_SUCCESS);
   report.iterations = static_cast<int>(summary.iterations.size()) - 1;
   report.initial_cost = summary.initial_cost;
-  report.final_cost =
-      summary.IsSolutionUsable() ? summary.final_cost : std::numeric_limits<double>::infinity();
+  report.final_cost = summary.IsSolutionUsable() && !broken
+                          ? summary.final_cost
+                          : std::numeric_limits<double>::infinity();
   report.seconds = summary.total_time_in_seconds;
-  report.stopped = words(summary);
+  report.stopped = broken ? "failed: the model has no derivatives there" : words(summary);
   return report;
 }
 

@@ -50,8 +50,10 @@ std::string chain_text(const Program& program) {
                                                program.units.of(row.dimension).text)
                                  : "no stated sigma");
   out += fmt::format("{} free parameters\n", program.parameters.size());
+  std::size_t width = 20;
+  for (const Parameter& p : program.parameters) width = std::max(width, p.name.size());
   for (const Parameter& p : program.parameters)
-    out += fmt::format("  {:<20} {} {}\n", p.name,
+    out += fmt::format("  {:<{}} {} {}\n", p.name, width,
                        write_quantity(p.nominal, p.dimension, program.units),
                        program.units.of(p.dimension).text);
   return out;

@@ -125,6 +125,9 @@ void Compiler::add_rows(const std::string& residual, int feature, const std::vec
     row.weight = weight;
     program_.rows.push_back(std::move(row));
   }
+  const bool turned = f.kind == Kind::frame || (f.kind == Kind::direction && !f.observed.angles);
+  if (plugin.declaration.dependent && turned && f.sigma_angle)
+    program_.features[feature].carried = true;
 }
 
 void Compiler::calibrate(const Element& element) {
@@ -217,9 +220,20 @@ void Compiler::calibrate(const Element& element) {
       for (std::size_t f = 0; f < program_.features.size(); ++f)
         if (accepts(plugin->declaration, program_.features[f].kind)) use(static_cast<int>(f));
     }
-    if (!used)
+    if (!used) {
+      std::vector<std::string> measured, fitting;
+      for (const Feature& f : program_.features)
+        measured.push_back(f.name + " (" + to_string(f.kind) + ")");
+      for (const std::string& other : registry_.tags(Family::residual))
+        for (const Feature& f : program_.features)
+          if (accepts(registry_.find(other, Family::residual)->declaration, f.kind)) {
+            fitting.push_back(other);
+            break;
+          }
       throw InputError(residuals[r].place,
-                       fmt::format("residual '{}' fits none of the measured features", tag));
+                       fmt::format("residual '{}' fits none of the measured features", tag),
+                       fmt::format("for {}: {}", join(measured), join(fitting)));
+    }
   }
 }
 

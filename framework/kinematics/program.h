@@ -122,6 +122,7 @@ struct Feature {
   std::optional<double> sigma_length, sigma_angle, sigma_number;
   Observed<Expr> observed;
   Probed probed;
+  bool carried = false;  // rows follow from one another: their noise is that of the columns
   Place place;
 };
 

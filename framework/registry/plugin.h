@@ -88,6 +88,7 @@ struct Declaration {
   int freedom = 0;                             // shapes: how many numbers fix one; fewest points
   int points = 0;
   Sense sense = Sense::none;
+  bool dependent = false;  // residuals: a frame's or direction's rows follow from one another
   bool lua = false;
 
   Declaration& coordinate(std::string name, Dimension dimension, std::string meaning);
@@ -99,6 +100,8 @@ struct Declaration {
   Declaration& row(std::string name, Dimension dimension) {
     return column(std::move(name), dimension);
   }
+  // More rows than the measurement has degrees of freedom: its noise is carried to them.
+  Declaration& dependent_rows() { return dependent = true, *this; }
 
   const Input* find_input(std::string_view name) const;
   const Choice* find_choice(std::string_view name) const;

@@ -16,7 +16,7 @@
 namespace talus {
 
 // Raised whenever plugins must be rebuilt; a shared library of another version is refused.
-inline constexpr int plugin_interface_version = 1;
+inline constexpr int plugin_interface_version = 2;
 
 class Registry {
  public:

@@ -13,9 +13,20 @@ std::vector<double> resting_pose(const Program& program) {
   return pose;
 }
 
+// Does a reading 360 deg further mean the same place? Then motion goes the short way round.
+static bool turns_round(const Program& program, const Reading& reading) {
+  if (reading.dimension != angle) return false;
+  std::vector<double> slots(program.slots, 0);
+  for (const Parameter& p : program.parameters) slots[p.slot] = p.nominal.value;
+  const std::int32_t node = reading.value.node_on(*program.tape);
+  const double before = program.tape->evaluate(node, slots);
+  slots[reading.slot] = 360 * deg;
+  return std::abs(std::remainder(program.tape->evaluate(node, slots) - before, 360 * deg)) < 1e-9;
+}
+
 Settings interpolated(const Program& program, const Settings& settings, int between) {
-  // Unknown angles go the short way round; a reading goes straight: what it means is its sensor's.
-  std::vector<bool> turns(program.readings.size(), false);
+  std::vector<bool> turns;
+  for (const Reading& r : program.readings) turns.push_back(turns_round(program, r));
   for (const Unknown& u : program.unknowns) turns.push_back(u.dimension == angle);
   Settings result;
   for (std::size_t k = 0; k + 1 < settings.poses.size(); ++k)

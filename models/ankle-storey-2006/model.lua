@@ -21,6 +21,9 @@ return talus {
     revolute(loosely { name = "subtalar", theta = "q2", y = -2, z = -18, roll = -23.4585, yaw = 43.1624 }),
     mount(loosely { name = "calcaneus", order = "rpy", x = -25, y = 4, z = -45, a = 0, b = 0, c = 0 }),
   },
+  limb { name = "mortise", at = "B", length = 40, width = 64, height = 44, z = 30 },
+  limb { name = "talus", at = "talocrural", length = 48, width = 40, height = 30, x = 6, z = -8 },
+  limb { name = "calcaneus", at = "E", length = 74, width = 34, height = 38, x = 5, y = -4, z = 2 },
   frame { name = "E", ["in"] = "B", sigma = "0.2 mm, 0.2 deg" },
   calibrate { residual = "position, rotation_vector", of = "E" },
 }

@@ -6,7 +6,8 @@ namespace {
 // Errors of the angles between the z axis of the feature's frame and the three axes of frame `in`
 // (Nordquist and Hull 2009, eqs 6-8). The angle to axis i is acos(u_i), here
 // atan2(sqrt(u_j^2 + u_k^2), u_i), which stays accurate near alignment. At alignment itself the
-// angle has a corner; its derivative is taken as 0 there.
+// angle has a corner; its derivative is taken as 0 there. Of a measured frame or direction the
+// three are two; angles that were measured one by one are three.
 struct InverseDirectionCosines {
   static Declaration declaration() {
     return residual(
@@ -14,7 +15,8 @@ struct InverseDirectionCosines {
                "errors of the z axis' angles to the axes of frame `in` (Nordquist 2009, eqs 6-8)")
         .row("IDCx", angle)
         .row("IDCy", angle)
-        .row("IDCz", angle);
+        .row("IDCz", angle)
+        .dependent_rows();
   }
   template <class T>
   static Vector3<T> angles(const Vector3<T>& u) {

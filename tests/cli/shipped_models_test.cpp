@@ -19,7 +19,8 @@ TEST_CASE("every shipped model passes the check and is the same after conversion
     CHECK(command(folder, "convert '" + file + "' there.xml").code == 0);
     CHECK(command(folder, "convert there.xml there.lua").code == 0);
     CHECK(command(folder, "convert there.lua back.xml").code == 0);
-    const Model model = model_of(file);
+    Model model = model_of(file);
+    move_plugin_paths(model, file, folder / "there.xml");
     for (const char* converted : {"there.xml", "there.lua", "back.xml"}) {
       CAPTURE(converted);
       CHECK(same(model_of(folder / converted).root, model.root));
@@ -53,11 +54,11 @@ TEST_CASE("every shipped XML model is valid by the schema") {
     return;
   }
   const Folder folder;
-  const Run schema = command(folder, "schema");
-  REQUIRE(schema.code == 0);
-  folder.write("talus.xsd", schema.out);
   for (const std::string& file : shipped_models()) {
     CAPTURE(file);
+    Registry registry = Registry::built_in();  // and the plugins that the model names
+    read_model(file, registry);
+    folder.write("talus.xsd", xml_schema(registry));
     CHECK(shell("xmllint --noout --schema '" + folder / "talus.xsd" + "' '" + file + "'") == 0);
   }
   // And it does refuse: a misspelt attribute, a joint outside a chain.

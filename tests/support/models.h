@@ -38,7 +38,10 @@ inline Model model_of(const std::string& file) {
 }
 
 inline Program program_of(const Model& model) { return compile(model, Registry::built_in()); }
-inline Program program_of(const std::string& file) { return program_of(model_of(file)); }
+inline Program program_of(const std::string& file) {
+  Registry registry = Registry::built_in();  // and what the model names
+  return compile(read_model(file, registry), registry);
+}
 inline Program program_from(const std::string& xml) {
   Registry registry = Registry::built_in();
   return compile(read_xml(xml, "model.xml", registry), registry);
