@@ -20,8 +20,16 @@ struct Options {
   std::vector<std::string> groups;
   int folds = 0;
   std::string solver = "auto";
+  bool without_priors = false;
   FitOptions fit;
 };
+
+Program compiled(const Model& model, const Registry& registry, const Options& o) {
+  Program program = compile(model, registry);
+  if (o.without_priors)
+    for (Parameter& p : program.parameters) p.nominal.tolerance.reset();
+  return program;
+}
 
 // Columns whose equal rows must stay on one side: what unknowns are shared by, sessions where there
 // are enough, and what the user names.
@@ -85,7 +93,7 @@ std::vector<SweepStep> sweep(Model& model, const Registry& registry, const Recor
     const double w = first + i * step;
     for (Element& child : model.root.children)
       if (child.tag == "calibrate") child.set("weight", fmt::format("{:.10g}, {:.10g}", w, 1 - w));
-    const Program program = compile(model, registry);
+    const Program program = compiled(model, registry, o);
     const Split split = split_rows(recordings, split_options(program, recordings, o));
     const Fit fit = calibrate(program, recordings, split, o.fit);
     double mean = 0;
@@ -120,7 +128,7 @@ void run(Options& o) {
                                     : FitOptions::Solver::automatic;
   ReportContext context{"calibrate", o.model, o.recordings, &measured};
   if (!o.sweep.empty()) context.sweep = sweep(model, registry, recordings, o);
-  const Program program = compile(model, registry);
+  const Program program = compiled(model, registry, o);
   const Split split = split_rows(recordings, split_options(program, recordings, o));
   Fit fit = calibrate(program, recordings, split, o.fit);
   fit.warnings.insert(fit.warnings.begin(), measured.warnings.begin(), measured.warnings.end());
@@ -167,6 +175,8 @@ void add_calibrate(CLI::App& app) {
   command->add_option("--folds", o->folds, "also hold out every group once, in this many folds")
       ->check(CLI::Range(2, 1000));
   command->add_option("--sweep", o->sweep, "try weights w, 1-w of two residuals: first:last:step");
+  command->add_flag("--without-priors", o->without_priors,
+                    "tolerances do not pull: every ± counts as ?, as in the papers");
   command
       ->add_option("--restarts", o->fit.restarts, "further starts, scattered over the tolerances")
       ->check(CLI::Range(0, 10000))

@@ -1,5 +1,5 @@
 """What the scripts in this folder share: running the command and reading its JSON."""
-import csv, json, math, os, pathlib, re, shutil, subprocess, tempfile
+import csv, json, math, os, pathlib, subprocess, tempfile
 
 root = pathlib.Path(__file__).resolve().parents[2]
 talus = os.environ.get("TALUS", str(root / "build/talus"))
@@ -18,15 +18,6 @@ def calibrate(model, recordings, *more):
         file = pathlib.Path(folder, "fit.json")
         run("calibrate", model, recordings, *more, "--quiet", "--out", folder, "--json", file, allowed=(0, 1))
         return json.loads(file.read_text(encoding="utf-8"))
-
-
-def free(model, folder):
-    """A copy of a model in which every tolerance is a `?`: free, and no prior, as in the papers."""
-    source, copy = pathlib.Path(root, model), pathlib.Path(folder, pathlib.Path(model).name)
-    copy.write_text(re.sub(r" ± [0-9.]+", " ?", source.read_text(encoding="utf-8")), encoding="utf-8")
-    if (source.parent / "parts").is_dir():
-        shutil.copytree(source.parent / "parts", pathlib.Path(folder, "parts"), dirs_exist_ok=True)
-    return copy
 
 
 def table(file):

@@ -1,5 +1,8 @@
 // One --set changes what is made small, as users run it: no noise on standard error, and a clear
 // word where a residual does not go with what is measured.
+#include <cmath>
+#include <nlohmann/json.hpp>
+
 #include "tests/support/command.h"
 #include "tests/support/models.h"
 
@@ -50,4 +53,33 @@ TEST_CASE("a residual that nothing measured goes with") {
         "(scalar), IDC (direction): direction, distance, inverse_direction_cosines, "
         "vector_length\n");
   CHECK(folder.files().empty());
+}
+
+TEST_CASE("without priors every tolerance counts as a question mark") {
+  const Folder folder;
+  std::string text = contents(shipped("arm-6r/model.xml"));
+  REQUIRE(text.find(" ± ") != std::string::npos);
+  folder.write("toleranced.xml", text);
+  for (std::size_t at; (at = text.find(" ± ")) != std::string::npos;)
+    text.replace(at, text.find_first_not_of("0123456789.", at + std::string(" ± ").size()) - at,
+                 " ?");
+  folder.write("free.xml", text);
+  REQUIRE(command(folder, "simulate toleranced.xml --poses 40 --seed 3 --recordings r.csv").code ==
+          0);
+  REQUIRE(command(folder, "calibrate toleranced.xml r.csv --without-priors --quiet --json a.json")
+              .code == 0);
+  REQUIRE(command(folder, "calibrate free.xml r.csv --quiet --json b.json").code == 0);
+  REQUIRE(command(folder, "calibrate toleranced.xml r.csv --quiet --json c.json").code == 0);
+  auto values = [&](const char* file) {
+    return nlohmann::json::parse(contents(folder / file))["baseline"]["parameters"];
+  };
+  const auto a = values("a.json"), b = values("b.json"), c = values("c.json");
+  REQUIRE(a.size() == b.size());
+  double moved = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    CHECK(a[i]["value"] == b[i]["value"]);
+    CHECK(a[i]["tolerance"].is_null());
+    moved += std::abs(a[i]["value"].get<double>() - c[i]["value"].get<double>());
+  }
+  CHECK(moved > 1e-6);
 }
