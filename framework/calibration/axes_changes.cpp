@@ -71,6 +71,7 @@ void judge(ArcAxes& arc, const std::vector<std::vector<const std::vector<double>
         const double error = arc.changes[r][k].value[v] - actual;
         sum += error, squares += error * error, ++e.count;
       }
+      if (e.count == 0) continue;  // no change was determined
       const auto n = static_cast<double>(e.count);
       e.bias = sum / n;
       e.rmse = std::sqrt(squares / n);

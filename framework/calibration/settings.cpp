@@ -66,6 +66,7 @@ Settings grid_settings(const Program& program, const std::string& grid) {
   std::vector<std::vector<double>> axes;
   for (const Coordinate& c : list) names.push_back(c.name), axes.push_back({c.rest});
   const Place place{"--grid", 0, 0};
+  std::vector<std::string> seen;
   for (const std::string& part : words_of(grid, ';')) {
     const std::size_t equals = part.find('=');
     std::string name = part.substr(0, equals);
@@ -78,8 +79,14 @@ Settings grid_settings(const Program& program, const std::string& grid) {
                        nearest(name, names));
     const Coordinate& c = list[it - names.begin()];
     auto value = [&](const std::string& text) {
-      return parse_quantity(text, c.dimension, program.units, place).value;
+      const Quantity q = parse_quantity(text, c.dimension, program.units, place);
+      if (q.free)
+        throw InputError(place, fmt::format("'{}' has a tolerance", text), "a plain value");
+      return q.value;
     };
+    if (std::find(seen.begin(), seen.end(), name) != seen.end())
+      throw InputError(place, fmt::format("'{}' is given twice", name), "each name once");
+    seen.push_back(name);
     const std::string values = part.substr(equals + 1);
     auto& axis = axes[it - names.begin()];
     axis.clear();

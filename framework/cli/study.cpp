@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <fstream>
 #include <memory>
 #include <sstream>
@@ -79,8 +80,12 @@ void run(const Options& o) {
     poses_text = write_recordings(poses);
     settings.poses.resize(poses.rows());
     for (const Unknown& u : motion_program.unknowns)
-      for (std::size_t k = 0; k < poses.rows(); ++k)
+      for (std::size_t k = 0; k < poses.rows(); ++k) {
         settings.poses[k].push_back(poses.get(u.name, u.dimension).values[k]);
+        if (std::isnan(settings.poses[k].back()))
+          throw InputError({o.poses, poses.lines[k], 0},
+                           fmt::format("column '{}' is empty", u.name), "the angle of the motion");
+      }
   }
   const StudiedMotion motion(motion_program, settings, choices);
   const UnitSystem& units = motion_program.units;
