@@ -302,8 +302,13 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
   std::string far;
   for (int i = 0; i < problem.size(); ++i) {
     const Quantity& q = problem.quantity(i);
-    FittedValue v{names[i],    problem.dimension(i),    q.value, x[i], fit.seen.std[i],
-                  q.tolerance, fit.seen.identifiable[i]};
+    FittedValue v{names[i],
+                  problem.dimension(i),
+                  q.value,
+                  x[i],
+                  fit.seen.std[i],
+                  q.tolerance,
+                  fit.seen.identifiable[i] && !std::isinf(fit.seen.std[i])};
     v.held_out = !problem.occurs(i);
     v.at_bound = q.bounds && (x[i] <= q.bounds->first || x[i] >= q.bounds->second);
     const double away = v.tolerance ? std::abs(v.value - v.nominal) / *v.tolerance : 0;

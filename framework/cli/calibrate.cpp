@@ -181,7 +181,10 @@ void add_calibrate(CLI::App& app) {
       ->add_option("--restarts", o->fit.restarts, "further starts, scattered over the tolerances")
       ->check(CLI::Range(0, 10000))
       ->capture_default_str();
-  command->add_option("--iterations", o->fit.max_iterations, "iteration limit")
+  command
+      ->add_option("--iterations", o->fit.max_iterations,
+                   "iteration limit of each stage (least squares, weights anew, the loss or "
+                   "published objective)")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   command->add_option("--solver", o->solver, "auto, gram (normal equations) or qr")

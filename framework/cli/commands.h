@@ -45,6 +45,8 @@ std::optional<Settings> drawn_settings(const Program& program, const std::string
 // Writes to a file beside which nothing is left half done, or to standard output for "-".
 // Early, before anything is computed: InputError where `file` could not be written.
 void check_writable(const std::string& file);
+// InputError where the file to write is one of those read.
+void check_apart(const std::string& out, const std::vector<std::string>& inputs);
 void put(const std::string& file, const std::string& text);
 
 void add_measure(CLI::App& app);

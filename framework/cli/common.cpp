@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <thread>
 
@@ -86,6 +87,33 @@ Model open_model(const std::string& file, Registry& registry, const Common& comm
   return model;
 }
 
+// A measured frame's quaternion must be one: normalised it may be by rounding only.
+static void check_quaternions(const Program& program, const Recordings& recordings) {
+  for (const Feature& f : program.features) {
+    if (f.kind != Kind::frame || f.columns.size() != 7) continue;
+    std::vector<const RecordedColumn*> q;
+    for (std::size_t i = 3; i < 7; ++i)
+      q.push_back(recordings.find(program.columns[f.columns[i]].name));
+    if (std::find(q.begin(), q.end(), nullptr) != q.end()) continue;
+    for (std::size_t k = 0; k < recordings.rows(); ++k) {
+      double square = 0;
+      for (const RecordedColumn* c : q) square += c->values[k] * c->values[k];
+      if (std::abs(std::sqrt(square) - 1) > 0.01)
+        throw InputError(
+            {recordings.file, recordings.lines[k], 0},
+            fmt::format("the quaternion of '{}' has length {:.3g}", f.name, std::sqrt(square)),
+            "a unit quaternion: w, x, y, z");
+    }
+  }
+}
+
+void check_apart(const std::string& out, const std::vector<std::string>& inputs) {
+  std::error_code ignored;
+  for (const std::string& in : inputs)
+    if (!out.empty() && !in.empty() && out != "-" && std::filesystem::equivalent(out, in, ignored))
+      throw InputError({out, 0, 0}, "would be written over what is read", "another file");
+}
+
 Measured open_recordings(const Program& program, const std::string& file,
                          const std::string& points_file) {
   Measured measured{read_recordings(file), {}, {}, {}, {}};
@@ -93,8 +121,10 @@ Measured open_recordings(const Program& program, const std::string& file,
     if (!points_file.empty())
       throw InputError({points_file, 0, 0}, "the model has nothing that is probed",
                        "a feature with probed=\"...\"");
+    check_quaternions(program, measured.recordings);
     return measured;
   }
+  check_quaternions(program, measured.recordings);
   // What is recorded already needs no points; asked for by name, they come first.
   std::string missing;
   for (const Feature& f : program.features)

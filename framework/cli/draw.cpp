@@ -269,7 +269,7 @@ void add_draw(CLI::App& app) {
   option("--picture", o->picture, "FILE", ".svg, .png or .pdf (default: MODEL.svg in --out)");
   option("--animation", o->animation, "FILE",
          "all poses one after the other: .html, .svg, or .gif, .mp4, .webm by ffmpeg");
-  option("--pose", o->pose, "N", "the row or pose of the picture (default: the first)")
+  option("--pose", o->pose, "N", "the row of the picture, counted from 1 (default: the first)")
       ->check(CLI::Range(1, 10000000));
   option("--poses", o->poses, "N|FILE",
          "as many random poses, or a CSV file as talus simulate reads");

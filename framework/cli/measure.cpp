@@ -15,6 +15,7 @@ struct Options {
 
 void run(const Options& o) {
   check_writable(o.table);
+  check_apart(o.table, {o.recordings, o.points, o.model});
   Registry registry = o.common.registry();
   const Program program = compile(open_model(o.model, registry, o.common), registry);
   if (!is_probed(program))

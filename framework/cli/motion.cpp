@@ -35,6 +35,7 @@ MotionOptions motion_options(const Options& o, const Program& program) {
 
 void run(const Options& o) {
   check_writable(o.file);
+  check_apart(o.file, {o.recordings, o.poses, o.model});
   Registry registry = o.common.registry();
   Program program = compile(open_model(o.model, registry, o.common), registry);
   const MotionOptions options = motion_options(o, program);

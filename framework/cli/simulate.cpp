@@ -17,6 +17,8 @@ struct Options {
 void run(const Options& o) {
   check_writable(o.file);
   check_writable(o.points);
+  check_apart(o.file, {o.poses, o.model});
+  check_apart(o.points, {o.poses, o.model});
   if (!o.points.empty() && o.points == o.file)
     throw InputError({o.points, 0, 0}, "--points and --recordings name one file", "two files");
   Registry registry = o.common.registry();
@@ -67,7 +69,7 @@ void add_simulate(CLI::App& app) {
   command->add_option("--grid", o->grid,
                       "every combination: \"encoder1=-20:20:10; encoder2=0,30,60\"");
   command->add_option("--noise", o->noise, "times the stated sigmas")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   command->add_option("--recordings", o->file, "file to write (- for standard output)")
       ->capture_default_str();

@@ -50,7 +50,7 @@ std::vector<ShapeQuality> qualities(const Program& program, const std::vector<Pr
   for (std::size_t s = 0; s < program.shapes.size(); ++s) {
     const ProbedShape& shape = program.shapes[s];
     ShapeQuality q{shape.name, shape.tag};
-    double squares = 0;
+    double squares = 0, farthest = 0;  // of one pose, by the points to spare
     int surplus = 0;
     Place worst;
     for (std::size_t k = 0; k < poses.size(); ++k) {
@@ -62,6 +62,8 @@ std::vector<ShapeQuality> qualities(const Program& program, const std::vector<Pr
       surplus += fitted->surplus;
       const double rmse = std::sqrt(fitted->squares / fitted->points);
       if (rmse >= q.worst) q.worst = rmse, q.worst_pose = numbers[k], worst = poses[k].place(s);
+      if (fitted->surplus > 0)
+        farthest = std::max(farthest, std::sqrt(fitted->squares / fitted->surplus));
     }
     if (q.poses < poses.size())
       warnings.push_back(
@@ -71,12 +73,13 @@ std::vector<ShapeQuality> qualities(const Program& program, const std::vector<Pr
     if (q.points > 0) q.rmse = std::sqrt(squares / static_cast<double>(q.points));
     const double left = surplus > 0 ? std::sqrt(squares / surplus) : nan;
     q.sigma = shape.sigma.value_or(left);
-    if (left > 3 * q.sigma)
+    if (left > 3 * q.sigma || farthest > 6 * q.sigma)
       warnings.push_back(fmt::format(
-          "The points of '{}' lie {:.3g} mm from the {} that fits them, {:.0f} times their stated "
-          "sigma; worst at pose {:g} ({}). A blunder, a wrong unit, a form error, or a sigma too "
-          "small.",
-          q.name, left, q.tag, left / q.sigma, q.worst_pose, to_string(worst)));
+          "The points of '{}' are off the {} that fits them by {:.0f} times {} over all poses, by "
+          "{:.0f} "
+          "times at pose {:g} ({}). A blunder, a wrong unit, a form error, or a sigma too small.",
+          q.name, q.tag, left / q.sigma, shape.sigma ? "their stated sigma" : "their usual noise",
+          farthest / q.sigma, q.worst_pose, to_string(worst)));
     if (surplus > 0 && shape.through.empty()) all_squares += squares, all_surplus += surplus;
     result.push_back(q);
   }

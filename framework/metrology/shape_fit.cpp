@@ -198,7 +198,7 @@ FittedShape ShapeFitter::fit(const std::vector<Derived>& points) const {
   // Eight corners of a box lie on three cylinders, a ring of points on two spheres of known radius:
   // which one was meant?
   for (const Solution& other : found)
-    if (other.cost < 9 * least + 1e-18 * size * size)
+    if (fewest > 1 && other.cost < 9 * least + 1e-18 * size * size)
       result.ambiguous |=
           (shape_->declaration.sense != Sense::none && other.axis.cross(R.col(2)).norm() > 0.05) ||
           (result.held * (other.origin - origin)).norm() > 0.05 * size;

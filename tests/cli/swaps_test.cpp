@@ -83,3 +83,21 @@ TEST_CASE("without priors every tolerance counts as a question mark") {
   }
   CHECK(moved > 1e-6);
 }
+
+TEST_CASE("a quaternion that is none, and a table written over its own source, are refused") {
+  const Folder folder;
+  std::string text = contents(isl + "recordings.csv");
+  const auto row = text.find("\n3,") + 1, end = text.find('\n', row);
+  const auto quaternion =
+      text.rfind(',', text.rfind(',', text.rfind(',', text.rfind(',', end) - 1) - 1) - 1);
+  folder.write("r.csv", text.replace(quaternion, end - quaternion, ",0,0,0,0"));
+  Run run = command(folder, "calibrate '" + isl + "model.xml' r.csv");
+  CHECK(run.code == 2);
+  CHECK(run.error ==
+        "r.csv:5: the quaternion of 'E' has length 0\n  expected a unit quaternion: w, x, y, z\n");
+  const std::string before = contents(folder / "r.csv");
+  run = command(folder, "motion '" + isl + "published.xml' r.csv --table r.csv");
+  CHECK(run.code == 2);
+  CHECK(run.error == "r.csv: would be written over what is read\n  expected another file\n");
+  CHECK(contents(folder / "r.csv") == before);
+}
