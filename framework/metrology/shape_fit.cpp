@@ -30,7 +30,7 @@ Eigen::Matrix3d any_frame_along(const Vector3d& z) {
 
 }  // namespace
 
-ShapeFitter::ShapeFitter(const ProbedShape& shape) : shape_(&shape) {
+ShapeFitter::ShapeFitter(const ProbedShape& shape) : shape_(shape) {
   std::array<Expr, kUnknowns + 3> s;
   for (int i = 0; i < kUnknowns + 3; ++i) s[i] = Expr::leaf(tape_, i);
   const Vector3<Expr> p{s[6] - s[0], s[7] - s[1], s[8] - s[2]};
@@ -109,8 +109,8 @@ FittedShape ShapeFitter::fit(const std::vector<Derived>& points) const {
     for (double side : {-size, size})
       for (int j = 0; j < 3; ++j) starts.push_back({middle + side * E.col(i), E.col(j)});
   // Where points may fit a shape in two ways, all directions are tried.
-  const std::size_t fewest = shape_->radius ? starts.size()
-                             : shape_->declaration.sense == Sense::along && per_point_ == 1
+  const std::size_t fewest = shape_.radius ? starts.size()
+                             : shape_.declaration.sense == Sense::along && per_point_ == 1
                                  ? along.size()
                                  : 1;
   struct Solution {
@@ -122,7 +122,7 @@ FittedShape ShapeFitter::fit(const std::vector<Derived>& points) const {
   for (std::size_t k = 0; k < starts.size() && (k < fewest || least > good); ++k) {
     const Vector3d& from = starts[k].origin;
     const Eigen::Matrix3d frame = any_frame_along(starts[k].axis);
-    Cost cost{*this, {}, shape_->radius.has_value()};
+    Cost cost{*this, {}, shape_.radius.has_value()};
     for (const Derived& p : points) cost.points.push_back(frame.transpose() * (p.value - from));
     ceres::TinySolver<Cost> solver;
     solver.options.max_num_iterations = 100;
@@ -130,7 +130,7 @@ FittedShape ShapeFitter::fit(const std::vector<Derived>& points) const {
     solver.options.parameter_tolerance = 1e-13;
     solver.options.function_tolerance = 1e-15;
     Eigen::Matrix<double, kUnknowns, 1> q = Eigen::Matrix<double, kUnknowns, 1>::Zero();
-    q[5] = shape_->radius.value_or(std::hypot(size, (from - middle).norm()));
+    q[5] = shape_.radius.value_or(std::hypot(size, (from - middle).norm()));
     const auto& summary = solver.Solve(cost, &q);
     if (!std::isfinite(summary.final_cost) || !q.allFinite()) continue;
     const Eigen::Matrix3d turned = frame * (Eigen::AngleAxisd(q[3], Vector3d::UnitX()) *
@@ -145,19 +145,19 @@ FittedShape ShapeFitter::fit(const std::vector<Derived>& points) const {
   }
   // Sense of the axis, from the order of the points.
   double sense = 0;
-  if (shape_->declaration.sense == Sense::along)
+  if (shape_.declaration.sense == Sense::along)
     sense = R.col(2).dot(points.back().value - points.front().value);
-  else if (shape_->declaration.sense == Sense::around)
+  else if (shape_.declaration.sense == Sense::around)
     for (int i = 0; i < n; ++i)
       sense += R.col(2).dot((points[i].value - middle).cross(points[(i + 1) % n].value - middle));
   if (sense < 0) R.col(2) *= -1, R.col(1) *= -1;
-  const double clear = shape_->declaration.sense == Sense::around ? size * size : size;
-  result.sense = shape_->declaration.sense == Sense::none
+  const double clear = shape_.declaration.sense == Sense::around ? size * size : size;
+  result.sense = shape_.declaration.sense == Sense::none
                      ? 1
                      : std::min(1.0, std::abs(sense) / std::max(clear, 1e-300));
 
   // Derivatives at the solution, in its own frame.
-  Cost cost{*this, {}, shape_->radius.has_value()};
+  Cost cost{*this, {}, shape_.radius.has_value()};
   for (const Derived& p : points) cost.points.push_back(R.transpose() * (p.value - origin));
   Eigen::Matrix<double, kUnknowns, 1> q = Eigen::Matrix<double, kUnknowns, 1>::Zero();
   q[5] = radius;
@@ -174,7 +174,7 @@ FittedShape ShapeFitter::fit(const std::vector<Derived>& points) const {
   result.freedom = static_cast<int>(decomposition.rank());
   // A sphere's and a cylinder's radius counts among their freedom where it is not known.
   result.determined =
-      result.freedom >= shape_->declaration.freedom - (shape_->radius && has_radius_ ? 1 : 0);
+      result.freedom >= shape_.declaration.freedom - (shape_.radius && has_radius_ ? 1 : 0);
   const Eigen::MatrixXd inverse = scale.asDiagonal() * decomposition.pseudoInverse();
   const Eigen::Index raw = points.empty() ? 0 : points[0].by.cols();
   Eigen::MatrixXd df(m, raw);
@@ -200,7 +200,7 @@ FittedShape ShapeFitter::fit(const std::vector<Derived>& points) const {
   for (const Solution& other : found)
     if (fewest > 1 && other.cost < 9 * least + 1e-18 * size * size)
       result.ambiguous |=
-          (shape_->declaration.sense != Sense::none && other.axis.cross(R.col(2)).norm() > 0.05) ||
+          (shape_.declaration.sense != Sense::none && other.axis.cross(R.col(2)).norm() > 0.05) ||
           (result.held * (other.origin - origin)).norm() > 0.05 * size;
   return result;
 }

@@ -42,7 +42,7 @@ class ShapeFitter {
 
  private:
   struct Cost;
-  const ProbedShape* shape_;
+  ProbedShape shape_;
   Tape tape_;
   int per_point_ = 0;
   bool has_radius_ = false;

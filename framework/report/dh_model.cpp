@@ -41,7 +41,7 @@ class Converter {
                          "<gravity in=\"" + program_.frames[0].name + "\" .../>");
     }
     std::vector<AxisLine> lines;
-    for (const Hinge& hinge : chain_.hinges) lines.push_back(hinge.line);
+    for (const ChainHinge& hinge : chain_.hinges) lines.push_back(hinge.line);
     links_ = dh_links(lines);
     // The first and the last frame may turn about their axes, so that these joints need no offset.
     auto turned = [](double by) { return Isometry3d(Eigen::AngleAxisd(by, Vector3d::UnitZ())); };
@@ -89,7 +89,7 @@ class Converter {
     return e;
   }
 
-  std::string theta(const Hinge& h, const DhLink& link) const {
+  std::string theta(const ChainHinge& h, const DhLink& link) const {
     const Unit& unit = program_.units.angle;
     double offset = std::remainder(link.theta - h.turn, 360 * deg);
     if (offset < -180 * deg + 1e-14) offset = 180 * deg;
@@ -162,7 +162,7 @@ class Converter {
         placement("mount", base, links_[0].before, chain_.hinges[0].element->place));
     std::vector<std::string> carriers{program_.frames[0].name};
     for (int k = 0; k < n; ++k) {
-      const Hinge& h = chain_.hinges[k];
+      const ChainHinge& h = chain_.hinges[k];
       Element dh = element("dh", h.element->place);
       carriers.push_back(unused(h.element->name(), used));
       used.insert(carriers.back());

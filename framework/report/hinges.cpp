@@ -60,11 +60,11 @@ class Finder {
       throw InputError(model_.root.place, "the model has no joint that moves", "a chain of hinges");
   }
 
-  Hinge hinge(int f) const {
+  ChainHinge hinge(int f) const {
     const Frame& frame = program_.frames[f];
     const Element& joint = *chain_.joints.at(frame.name);
     const Declaration& d = registry_.find(joint.tag, Family::joint)->declaration;
-    Hinge result{f, &joint, {}, {}};
+    ChainHinge result{f, &joint, {}, {}};
     int count = 0;
     for (const Input& input : d.inputs)
       if (input.coordinate) {
@@ -85,7 +85,7 @@ class Finder {
   // and at random ones. The values are read off a hinge added for each joint.
   void sample() {
     Model model = model_;
-    for (const Hinge& h : chain_.hinges) {
+    for (const ChainHinge& h : chain_.hinges) {
       Element chain{"chain", {}, {}, h.element->place}, turn{"dh", {}, {}, h.element->place};
       chain.set("from", program_.frames[0].name);
       chain.set("to", turn_name(h.element->name()));
@@ -104,7 +104,7 @@ class Finder {
       Sample s;
       for (const Frame& frame : program_.frames)
         s.frames.push_back(posture.frame(program.frame(frame.name, {})));
-      for (const Hinge& h : chain_.hinges) {
+      for (const ChainHinge& h : chain_.hinges) {
         const auto R = posture.frame(program.frame(turn_name(h.element->name()), {})).linear();
         s.turns.push_back(std::atan2(R(1, 0), R(0, 0)));
       }
@@ -112,7 +112,7 @@ class Finder {
                                      [](const Isometry3d& T) { return T.matrix().allFinite(); });
       if (!known) continue;  // outside a sensor's domain
       if (samples_.empty())
-        for (Hinge& h : chain_.hinges)
+        for (ChainHinge& h : chain_.hinges)
           for (const JointAxis& axis : posture.axes())
             if (axis.joint == h.element->name()) h.line = {axis.point, axis.direction};
       samples_.push_back(std::move(s));
@@ -125,7 +125,7 @@ class Finder {
 
   // Directs the axis in the sense of the coordinate, and sees that the joint does nothing but turn.
   void orient(std::size_t i) {
-    Hinge& h = chain_.hinges[i];
+    ChainHinge& h = chain_.hinges[i];
     const int parent = program_.frames[h.frame].parent;
     auto motion = [&](const Sample& s) { return s.frames[parent].inverse() * s.frames[h.frame]; };
     const Isometry3d to_joint = samples_[0].frames[h.frame].inverse();

@@ -14,7 +14,7 @@
 namespace talus {
 
 // A joint that turns.
-struct Hinge {
+struct ChainHinge {
   int frame;               // the frame behind it
   const Element* element;  // of the model
   std::string coordinate;  // its text: "encoder1", "-(q2 + q3)"
@@ -23,7 +23,7 @@ struct Hinge {
 };
 
 struct HingeChain {
-  std::vector<Hinge> hinges;                     // in order
+  std::vector<ChainHinge> hinges;                // in order
   std::vector<int> body;                         // of each frame: how many hinges move it
   std::vector<Eigen::Isometry3d> frames;         // at the reference posture, in the root
   std::map<std::string, const Element*> joints;  // all, by the name of the frame behind them
