@@ -127,6 +127,9 @@ class AxisFinder {
                            const Located& located, std::size_t k) const;
 
  private:
+  std::pair<std::vector<double>, Eigen::MatrixXd> numbers(const std::vector<double>& x,
+                                                          const std::vector<View>& views);
+
   const Program* program_;
   const Feature* feature_;
   Posture posture_;

@@ -68,52 +68,70 @@ std::vector<View> AxisFinder::anatomical_views(const Located& reference, const s
   return views;
 }
 
+// Four numbers per axis, then angle and distance (with a sign, so that it has a derivative where
+// the lines meet) per pair, all at zero coordinates; exact derivatives by the parameters.
+std::pair<std::vector<double>, Eigen::MatrixXd> AxisFinder::numbers(
+    const std::vector<double>& x, const std::vector<View>& views) {
+  using Traced = Posture::TracedLine;
+  posture_.set(std::vector<double>(program_->readings.size() + program_->unknowns.size(), 0), x);
+  auto traced = [&](const Hinge& h, int in) {
+    Traced line = posture_.traced(static_cast<std::size_t>(h.axis), in);
+    for (Expr& u : line.direction) u = Expr(h.sense) * u;
+    return line;
+  };
+  Tape& tape = *program_->tape;
+  auto value = [&](const Expr& e) { return tape.evaluate(e.node_on(tape), posture_.slots()); };
+  std::vector<Expr> told;
+  for (std::size_t k = 0; k < hinges_.size(); ++k) {
+    const Traced line = traced(hinges_[k], hinges_[k].body);
+    const Eigen::Isometry3d to_view = views[k].frame.inverse();
+    Vector3<Expr> p, u;
+    for (int i = 0; i < 3; ++i) {
+      p[i] = Expr(to_view.translation()[i]);
+      for (int j = 0; j < 3; ++j) {
+        p[i] += Expr(to_view.linear()(i, j)) * line.point[j];
+        u[i] += Expr(to_view.linear()(i, j)) * line.direction[j];
+      }
+    }
+    const int m = views[k].main, a = m == 0 ? 1 : 0, b = m == 2 ? 1 : 2;
+    if (value(u[m]) < 0)
+      for (Expr& each : u) each = -each;
+    for (int i : {a, b}) told.push_back(p[i] - p[m] / u[m] * u[i]);
+    for (int i : {a, b}) told.push_back(atan2(u[i], u[m]));
+  }
+  for (std::size_t k = 0; k + 1 < hinges_.size(); ++k) {
+    const Traced a = traced(hinges_[k], 0), b = traced(hinges_[k + 1], 0);
+    const Vector3<Expr> across = b.point - a.point, normal = cross(a.direction, b.direction);
+    const Expr sine = norm(normal);
+    told.push_back(atan2(sine, dot(a.direction, b.direction)));
+    // Nearly parallel lines: the distance of one's point from the other.
+    told.push_back(value(sine) > 1e-9 ? dot(across, normal) / sine
+                                      : norm(cross(a.direction, across)));
+  }
+  std::pair<std::vector<double>, Eigen::MatrixXd> out;
+  out.second.setZero(static_cast<Eigen::Index>(told.size()),
+                     static_cast<Eigen::Index>(program_->parameters.size()));
+  for (std::size_t r = 0; r < told.size(); ++r) {
+    out.first.push_back(value(told[r]));
+    const auto by = gradient(told[r]);
+    for (std::size_t i = 0; i < program_->parameters.size(); ++i)
+      if (const auto d = by.find(program_->parameters[i].slot); d != by.end())
+        out.second(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(i)) = value(d->second);
+  }
+  return out;
+}
+
 void AxisFinder::describe(Located& located, const std::vector<View>& views) {
   const Eigen::MatrixXd& C =
       located.observed ? located.covariance.observed : located.covariance.stated;
   const Eigen::MatrixXd& unbounded = located.covariance.unbounded;
   const std::size_t n = program_->parameters.size(), count = hinges_.size();
-  // The numbers told, as a function of the parameters: four per axis, two per pair.
-  auto numbers = [&](std::span<const double> x) {
-    std::vector<double> out;
-    const std::vector<Line> at_x = lines(x);
-    for (std::size_t k = 0; k < count; ++k)
-      for (double v : coordinates_of(at_x[k], views[k])) out.push_back(v);
-    for (std::size_t k = 0; k + 1 < count; ++k) {
-      const auto& axes = posture_.axes();
-      JointAxis a = axes[hinges_[k].axis], b = axes[hinges_[k + 1].axis];
-      a.direction *= hinges_[k].sense, b.direction *= hinges_[k + 1].sense;
-      const Apart each = talus::apart(a, b);
-      // With its sign, the distance can be differentiated where the lines meet.
-      const double side = (b.point - a.point).dot(a.direction.cross(b.direction));
-      out.push_back(each.angle);
-      out.push_back(side < 0 ? -each.distance : each.distance);
-    }
-    return out;
-  };
-  std::vector<double> x(located.fit.x.begin(), located.fit.x.begin() + static_cast<long>(n));
-  const std::vector<double> here = numbers(x);
-  // Central differences over a small share of each parameter's own size.
-  Eigen::MatrixXd G(static_cast<Eigen::Index>(here.size()), static_cast<Eigen::Index>(n));
+  const auto [here, G] = numbers(located.fit.x, views);
   Eigen::VectorXd tolerance(static_cast<Eigen::Index>(n));
-  for (std::size_t i = 0; i < n; ++i) {
-    const Parameter& p = program_->parameters[i];
+  for (std::size_t i = 0; i < n; ++i)
     tolerance[static_cast<Eigen::Index>(i)] =
-        p.nominal.tolerance.value_or(std::numeric_limits<double>::infinity());
-    const double step = p.dimension == angle    ? 1e-5
-                        : p.dimension == length ? 1e-3
-                                                : 1e-6,
-                 middle = x[i];
-    x[i] = middle + step;
-    const std::vector<double> above = numbers(x);
-    x[i] = middle - step;
-    const std::vector<double> below = numbers(x);
-    x[i] = middle;
-    for (std::size_t r = 0; r < here.size(); ++r)
-      G(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(i)) =
-          (above[r] - below[r]) / (2 * step);
-  }
-  auto std_of = [&](Eigen::Index r) {
+        program_->parameters[i].nominal.tolerance.value_or(std::numeric_limits<double>::infinity());
+  auto std_of = [&, &G = G](Eigen::Index r) {
     // Nothing holds a direction that this number depends on.
     for (Eigen::Index c = 0; c < unbounded.cols(); ++c)
       if (std::abs(G.row(r).dot(unbounded.col(c))) > 1e-6 * G.row(r).norm())

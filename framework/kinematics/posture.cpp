@@ -65,11 +65,25 @@ Posture::Posture(const Program& program)
       const Vector3<Expr> w{turn[2][1], turn[0][2], turn[1][0]}, across = cross(w, p);
       for (int i = 0; i < 3; ++i) slide[i] = derivative(9 + i) - across[i];
       for (int i = 0; i < 3; ++i) want(w[i]), want(slide[i]);
+      twists_.push_back({w, slide});
       axes_.push_back(
           {static_cast<int>(f), program.frames[f].name, true, {}, {}, coordinates.at(slot)});
     }
   }
   values_ = TapeValues(*program.tape, std::move(nodes));
+  for (const Placed& pose : placed) placed_.emplace_back(pose.R, pose.p);
+}
+
+Posture::TracedLine Posture::traced(std::size_t axis, int in) const {
+  const auto& [w, slide] = twists_[axis];
+  const int parent = program_->frames[axes_[axis].frame].parent;
+  const Rigid<Expr> T = parent < 0 ? inverse(placed_[in]) : inverse(placed_[in]) * placed_[parent];
+  const Matrix3<Expr> R = T.rotation();
+  const Expr square = dot(w, w), size = sqrt(square);
+  Vector3<Expr> foot = cross(w, slide), u;
+  for (Expr& each : foot) each = each / square;
+  for (int i = 0; i < 3; ++i) u[i] = dot(R[i], w) / size;
+  return {T * foot, u};
 }
 
 void Posture::set(std::span<const double> coordinates, std::span<const double> parameters) {

@@ -43,12 +43,21 @@ class Posture {
   // One per joint and coordinate that moves it, in the order of the frames.
   const std::vector<JointAxis>& axes() const { return axes_; }
 
+  // The line of an axis that turns, seen from a frame, as expressions on the program's tape: what
+  // is made of it can be differentiated.
+  struct TracedLine {
+    Vector3<Expr> point, direction;
+  };
+  TracedLine traced(std::size_t axis, int in) const;
+
  private:
   const Program* program_;
   TapeValues values_;
   std::vector<double> slots_;
   std::vector<Eigen::Isometry3d> frames_;
   std::vector<JointAxis> axes_;
+  std::vector<Rigid<Expr>> placed_;                   // T_root_frame
+  std::vector<std::array<Vector3<Expr>, 2>> twists_;  // of each axis: turn, slide, before the joint
 };
 
 // Distance (mm) and angle (rad, 0 to pi) between two lines.
