@@ -105,6 +105,16 @@ class Problem {
   void set_latents(const Eigen::MatrixXd& values);
   // Row k: the gradient by x of half the sum of squares of pose k; latent unknowns projected out.
   Eigen::MatrixXd scores(std::span<const double> x);
+  // The problem made linear at x: whitened rows r and their columns J, r(x + dx) = r + J dx; latent
+  // unknowns are projected out, so a row of unit variance is left with as much as they do not take.
+  // Rows of one pose stand together, poses in the order of Residuals::poses. Entry j of the columns
+  // belongs to entry j of x; without priors.
+  struct Linear {
+    Eigen::VectorXd rows;
+    Eigen::MatrixXd columns;
+    std::vector<int> pose;  // of each row: number of its pose
+  };
+  Linear linear(std::span<const double> x);
   // Per pose: J^T J of the whitened rows by the latent unknowns.
   std::vector<Eigen::MatrixXd> latent_information(std::span<const double> x);
 

@@ -30,6 +30,34 @@ Eigen::MatrixXd Problem::scores(std::span<const double> x) {
   return result;
 }
 
+Problem::Linear Problem::linear(std::span<const double> x) {
+  const int m = rows(), p = in_->parameters(),
+            local = static_cast<int>(in_->plan.columns(Inside::kGlobal).size());
+  const std::size_t block = static_cast<std::size_t>(m) * lanes;
+  std::vector<Eigen::Index> first(data().batches() + 1, 0);
+  for (int b = 0; b < data().batches(); ++b) first[b + 1] = first[b] + data().batch(b).count;
+  Linear result;
+  result.rows.resize(first.back() * m);
+  result.columns = Eigen::MatrixXd::Zero(first.back() * m, size());
+  result.pose.resize(static_cast<std::size_t>(first.back()) * m);
+  in_->each_batch(x, [&](Bench& bench, int, int b) {
+    in_->evaluate(bench, b);
+    in_->losses(bench, b, false);
+    const RowTransform t = in_->transform(bench, b, false);
+    in_->plan.jacobian(bench.workspace, Inside::kGlobal, t, bench.panel.data(), block);
+    for (int l = 0; l < data().batch(b).count; ++l)
+      for (int r = 0; r < m; ++r) {
+        const Eigen::Index row = (first[b] + l) * m + r;
+        result.rows[row] = bench.whitened[r * lanes + l];
+        result.pose[row] = static_cast<int>(first[b] + l);
+        for (int j = 0; j < local; ++j)
+          result.columns(row, j < p ? j : in_->offset[j - p] + data().batch(b).instance[j - p]) =
+              bench.panel[j * block + r * lanes + l];
+      }
+  });
+  return result;
+}
+
 std::vector<Eigen::MatrixXd> Problem::latent_information(std::span<const double> x) {
   const int m = rows(), n = latents();
   std::vector<Eigen::MatrixXd> result(data().poses(), Eigen::MatrixXd::Zero(n, n));
