@@ -118,22 +118,58 @@ void append(std::vector<AttributeRule>& to, std::vector<AttributeRule> more) {
       to.push_back(std::move(rule));
 }
 
+// Where effects may act, in words; and whether the model must say so.
+std::string at_words(const EffectTraits& effect) {
+  if (effect.everywhere && effect.acts == Acts::reading) return "all readings";
+  switch (effect.acts) {
+    case Acts::reading:
+      return "a sensor";
+    case Acts::coordinate:
+    case Acts::axis:
+    case Acts::about:
+      return "a joint";
+    case Acts::link:
+      return "a link";
+    case Acts::lengths:
+      return "a link; default all links";
+    case Acts::fixture:
+      return "fixture (default), or a measured feature";
+    default:
+      return "measurement (default), or a measured feature";
+  }
+}
+
+bool needs_at(const EffectTraits& effect) {
+  return !effect.everywhere &&
+         (effect.acts == Acts::reading || effect.acts == Acts::coordinate ||
+          effect.acts == Acts::axis || effect.acts == Acts::about || effect.acts == Acts::link);
+}
+
 ElementRule rule_of(const Declaration& d) {
   ElementRule rule{d.tag, d.summary};
   if (d.family == Family::joint) rule.where = Where::inside_chain;
   const char* name = d.family == Family::joint    ? "its name and that of the frame behind it"
                      : d.family == Family::sensor ? "how expressions call its calibrated value"
                      : d.family == Family::shape  ? "how the points' table and datums call it"
-                                                  : "how its results and residuals are called";
-  rule.attributes = {{"name", name, required}};
-  for (const Input& input : d.inputs) append(rule.attributes, {rule_of(input)});
+                     : d.family == Family::effect
+                         ? "how its amounts are called; default its tag and place"
+                         : "how its results and residuals are called";
+  rule.attributes = {{"name", name, d.family != Family::effect}};
+  if (d.family == Family::effect) {
+    rule.attributes.push_back({"at", "where it acts: " + at_words(d.effect), needs_at(d.effect)});
+    if (d.effect.driven != Driven::no)
+      rule.attributes.push_back({"driver", d.effect.driver_meaning, required});
+  }
+  for (const Input& input : d.inputs)
+    if (input.role != Role::borrowed) append(rule.attributes, {rule_of(input)});
   for (const Choice& choice : d.choices)
     append(rule.attributes,
            {{choice.name, choice.meaning + "; default " + choice.words[0], false, choice.words}});
   if (d.family == Family::joint)
     append(rule.attributes,
            {{"mass", "mass of the link behind the joint: 0.18 kg"},
-            {"com", "its centre of mass in the frame behind the joint: 0, 0, 20"}});
+            {"com", "its centre of mass in the frame behind the joint: 0, 0, 20"},
+            {"link", "name of that link; default link3 for joint3, else the joint's name"}});
   if (d.family == Family::sensor)
     append(rule.attributes, {{"column", "column of the recordings; default the sensor's name"},
                              {"sigma", "standard deviation of the reading's noise"},
@@ -187,7 +223,8 @@ std::vector<std::string> ElementRule::names() const {
 std::optional<ElementRule> rule_of(std::string_view tag, const Registry& registry) {
   for (const ElementRule& rule : structural())
     if (rule.tag == tag) return whole(rule, registry);
-  for (Family family : {Family::joint, Family::sensor, Family::feature, Family::shape})
+  for (Family family :
+       {Family::joint, Family::sensor, Family::feature, Family::shape, Family::effect})
     if (const Plugin* plugin = registry.find(tag, family)) return rule_of(plugin->declaration);
   return {};
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "framework/kinematics/compiler.h"
+#include "framework/kinematics/effect_motion.h"
 
 namespace talus {
 namespace {
@@ -36,7 +37,12 @@ void Compiler::feature(const Element& element) {
   Chain chain{program_.frames[in].name, element.text("at", f.name)};
   Rigid<Expr> offset;
   if (plugin.transform) offset = plugin.transform(inputs(element, d), choices(element, d));
-  chain.motions = trimmed(program_.between(in, at) * offset);
+  EffectPlace place{Acts::fixture, "fixture"};
+  place.feature = static_cast<int>(program_.features.size());
+  const Rigid<Expr> fixture = motion_of(corrections(place, {f.name, "fixture"}));
+  place.acts = Acts::tip, place.location = "measurement";
+  const Rigid<Expr> tip = motion_of(corrections(place, {f.name, "measurement"}));
+  chain.motions = trimmed(fixture * program_.between(in, at) * offset * tip);
   chain.first_slot = program_.slots;
   for (int i = 0; i < 12; ++i) new_slot(fmt::format("{}[{}]", f.name, i));
   f.chain = static_cast<int>(program_.chains.size());

@@ -35,10 +35,7 @@ void Compiler::frames() {
       if (!plugin) throw InputError(joint.place, fmt::format("<{}> is not a joint", joint.tag));
       reach(joint.name(), joint.place);
       edges.push_back({parent,
-                       {joint.name(), -1,
-                        plugin->transform(inputs(joint, plugin->declaration),
-                                          choices(joint, plugin->declaration)),
-                        joint.place},
+                       {joint.name(), -1, joint_with_effects(joint, *plugin), joint.place},
                        ""});
       parent = joint.name();
     }

@@ -91,7 +91,8 @@ Term Compiler::quantity_or_expression(const std::string& name, const std::string
   return term;
 }
 
-// <calibrate> has no name of its own: the first is `calibrate`, then `calibrate2`, ...
+// <calibrate> has no name of its own: the first is `calibrate`, then `calibrate2`, ... An effect
+// without a name is called by its tag and place: `backlash_joint4`.
 std::string Compiler::owner(const Element& element) const {
   int number = 0;
   for (const Element& child : model_.root.children) {
@@ -99,6 +100,8 @@ std::string Compiler::owner(const Element& element) const {
     if (&child == &element && child.tag == "calibrate")
       return number == 1 ? "calibrate" : fmt::format("calibrate{}", number);
   }
+  if (element.name().empty() && registry_.find(element.tag, Family::effect))
+    return element.find("at") ? element.tag + "_" + element.text("at") : element.tag;
   return element.name();
 }
 
@@ -219,7 +222,14 @@ void Compiler::sensor(const Element& element) {
   }
   reading.slot = new_slot(reading.column);
   const Plugin& plugin = *registry_.find(element.tag);
-  reading.value = plugin.value(leaf(reading.slot), inputs(element, d), choices(element, d));
+  const std::vector<Expr> own = inputs(element, d);
+  EffectPlace at{Acts::reading, element.name(), d.reading};
+  at.around.reading = leaf(reading.slot);
+  at.joint = joint_of(element.name());
+  for (std::size_t i = 0; i < own.size(); ++i) at.inputs[d.inputs[i].name] = own[i];
+  const Expr corrected =
+      leaf(reading.slot) + corrections(at, {element.name(), at.joint, "measurement"})[0];
+  reading.value = plugin.value(corrected, own, choices(element, d));
   known_[element.name()] = {reading.value, d.value};
   program_.readings.push_back(std::move(reading));
 }

@@ -31,7 +31,7 @@ void Compiler::add_rows(const std::string& residual, int feature, const std::vec
     for (int j = 0; j < 3; ++j) R[i][j] = leaf(first + 3 * i + j);
     p[i] = leaf(first + 9 + i);
   }
-  const std::vector<Expr> values = plugin.rows(Rigid<Expr>(R, p), f.observed, inputs, {});
+  const std::vector<Expr> values = plugin.rows(shown(feature, R, p), f.observed, inputs, {});
   const std::vector<Column>& columns = plugin.declaration.columns;
   if (values.size() != columns.size())
     throw InputError({plugin.origin, 0, 0},
@@ -241,6 +241,7 @@ void Compiler::check_sigmas() const {
 }
 
 Program Compiler::run() {
+  collect_effects();
   frames();
   for (const Element& e : model_.root.children) {
     if (e.tag == "parameter" || e.tag == "unknown" || registry_.find(e.tag, Family::sensor))
@@ -260,13 +261,21 @@ Program Compiler::run() {
   for (const Element& e : model_.root.children)
     if (e.tag == "calibrate") calibrate(e), any = true;
   if (!any) default_rows();
-  check_seen();
+  check_effects();
+  if (!recorded_) check_seen();
   check_sigmas();
   return std::move(program_);
 }
 
 Program compile(const Model& model, const Registry& registry) {
   return Compiler(model, registry).run();
+}
+
+Program compile_with_fields(const Model& model, const Registry& registry,
+                            const Recorded& recorded) {
+  Compiler compiler(model, registry);
+  compiler.with_fields(recorded);
+  return compiler.run();
 }
 
 }  // namespace talus

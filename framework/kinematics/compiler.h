@@ -15,6 +15,8 @@ class Compiler {
  public:
   Compiler(const Model& model, const Registry& registry);
   Program run();
+  // Adds a field at every place; what is recorded decides what is known there.
+  void with_fields(const Recorded& recorded) { recorded_ = recorded; }
 
  private:
   // names (compile_names.cpp)
@@ -36,6 +38,23 @@ class Compiler {
 
   // frames (compile_frames.cpp)
   void frames();
+
+  // effects (compile_effects.cpp)
+  void collect_effects();
+  std::string link_name(const Element& joint) const;
+  std::string joint_of(const std::string& sensor) const;
+  Expr covariate(const std::string& column, Dimension dimension, const Place& place);
+  bool known(Covariate covariate, const EffectPlace& place) const;
+  void know(Covariate covariate, EffectPlace& place, const Place& where);
+  // The sum of the effects at a place that answers to any of the names, as parts_of(acts) numbers.
+  std::vector<Expr> corrections(EffectPlace place, const std::vector<std::string>& names);
+  Expr driver(const Element& element);
+  Rigid<Expr> joint_with_effects(const Element& joint, const Plugin& plugin);
+  void check_effects() const;
+  // What the instrument shows of a feature whose modelled pose is (R, p).
+  Rigid<Expr> mapped(const Feature& feature, const Matrix3<Expr>& R, const Vector3<Expr>& p,
+                     const std::vector<Expr>& D);
+  Rigid<Expr> shown(int feature, const Matrix3<Expr>& R, const Vector3<Expr>& p);
 
   // shapes, datums and what is probed by them (compile_probing.cpp)
   void shape(const Element& element);
@@ -62,7 +81,12 @@ class Compiler {
   std::map<std::string, const Element*> named_;  // every element with a name
   std::map<std::string, Term> known_;            // names worked out so far
   std::set<std::string> in_progress_;
-  std::set<std::pair<std::string, int>> taken_;  // residuals and the features they were taken of
+  Recorded recorded_;  // fields are wanted where this is set
+  std::vector<const Element*> effects_;
+  mutable std::map<const Element*, bool> placed_;  // effects that found their place
+  std::map<int, std::vector<Expr>> deformations_;  // what is measured of each feature
+  std::set<std::pair<Acts, std::string>> places_;  // names of places, for messages
+  std::set<std::pair<std::string, int>> taken_;    // residuals and the features they were taken of
 };
 
 }  // namespace talus

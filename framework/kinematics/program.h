@@ -40,7 +40,8 @@ struct Reading {
   std::optional<std::pair<double, double>> range;  // of the reading
   Place place;
   int slot = -1;
-  Expr value;  // the coordinate it means, calibrated
+  Expr value;              // the coordinate it means, calibrated
+  bool covariate = false;  // a circumstance that effects depend on, not a coordinate
 };
 
 // A number found per pose (`per` empty) or per group of rows with equal values in the columns
@@ -60,6 +61,20 @@ struct MeasuredColumn {
   Dimension dimension;
   Place place;
   int slot = -1;
+};
+
+// A place at which effects can act, with all that is known there; and, where fields were asked for,
+// the parameters that stand for a constant correction there.
+struct EffectPlace {
+  Acts acts = Acts::reading;
+  std::string location;
+  Dimension dimension;                 // of the reading or coordinate
+  Around<Expr> around;                 // what is not known is 0
+  std::vector<Covariate> known;        // what is
+  std::map<std::string, Expr> inputs;  // of the sensor
+  std::string joint;                   // whose coordinate it is, or whose axis or link
+  int feature = -1;
+  int first_field = -1;  // index among the parameters; parts_of(acts) of them
 };
 
 // A frame of the tree; `motion` is T_parent_frame.
@@ -167,6 +182,7 @@ struct Program {
   std::vector<Datum> datums;
   std::vector<Feature> features;
   std::vector<Row> rows;
+  std::vector<EffectPlace> places;
   std::vector<std::string> terms;  // residual names, in order
   CalibrationSettings settings;
 
@@ -181,5 +197,11 @@ std::vector<std::vector<int>> row_support(const Program& program);
 // that hang loose or are reached twice, residuals that do not fit their feature, a free parameter
 // that no residual sees.
 Program compile(const Model& model, const Registry& registry);
+
+// The same with fields: a constant correction at every place where effects can act, as further free
+// parameters with null value 0 and no tolerance. `recorded` says which columns there are, which
+// decides what is known at the places.
+using Recorded = std::function<bool(const std::string& column)>;
+Program compile_with_fields(const Model& model, const Registry& registry, const Recorded& recorded);
 
 }  // namespace talus

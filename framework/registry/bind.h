@@ -38,6 +38,16 @@ R call(R (*f)(A...), Plugin::Inputs inputs, Plugin::Choices choices, const Fixed
   (std::index_sequence_for<A...>{});
 }
 
+// What an effect returns, as a list.
+inline std::vector<Expr> numbers_of(const Expr& value) { return {value}; }
+inline std::vector<Expr> numbers_of(const Twist<Expr>& twist) {
+  const auto& [t, r] = twist;
+  return {t[0], t[1], t[2], r[0], r[1], r[2]};
+}
+inline std::vector<Expr> numbers_of(const Matrix3<Expr>& D) {
+  return {D[0][0], D[0][1], D[0][2], D[1][0], D[1][1], D[1][2], D[2][0], D[2][1], D[2][2]};
+}
+
 void check_arity(const Declaration& declaration, const char* function, int inputs, int choices,
                  int wanted_inputs);
 
@@ -83,6 +93,12 @@ Plugin make() {
     plugin.deviations = [](const Vector3<Expr>& p, const Expr& radius) {
       return P::deviations(p[0], p[1], p[2], radius);
     };
+  if constexpr (requires { &P::template act<Expr>; }) {
+    check(d, "act", 1, inputs, &P::template act<Expr>);
+    plugin.act = [](const Around<Expr>& around, In in, Ch ch) {
+      return numbers_of(call(&P::template act<Expr>, in, ch, around));
+    };
+  }
   return plugin;
 }
 

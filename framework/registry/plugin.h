@@ -22,6 +22,7 @@
 //                                                         measured minus modelled, per declared row
 //     shape    std::vector<T> deviations(T x, T y, T z, T radius)   of a probed point, given in the
 //                                                         shape's own frame: origin on it, axis z
+//     effect   T | Twist<T> | Matrix3<T> act(const Around<T>& around, T inputs...)   see effect.h
 #pragma once
 
 #include <functional>
@@ -31,10 +32,11 @@
 
 #include "framework/kinematics/rigid.h"
 #include "framework/model/units.h"
+#include "framework/registry/effect.h"
 
 namespace talus {
 
-enum class Family { joint, sensor, feature, residual, shape };
+enum class Family { joint, sensor, feature, residual, shape, effect };
 std::string to_string(Family family);
 
 // What a feature observes and a residual can work on.
@@ -61,6 +63,12 @@ struct Input {
   bool coordinate = false;  // moves from pose to pose; must be given
   bool required = false;
   std::string meaning;
+  // Of effects:
+  Role role = Role::plain;
+  double typical = 0;         // amounts: usual size, the prior's standard deviation
+  double typical_length = 0;  // the same where the reading that it is relative to is a length
+  bool relative = false;      // its dimension is to be multiplied by that of the reading
+  std::vector<double> tries;  // settings: values that a diagnosis tries
 };
 
 struct Choice {
@@ -90,6 +98,7 @@ struct Declaration {
   Sense sense = Sense::none;
   bool dependent = false;  // residuals: a frame's or direction's rows follow from one another
   bool lua = false;
+  EffectTraits effect;  // effects only
 
   Declaration& coordinate(std::string name, Dimension dimension, std::string meaning);
   Declaration& input(std::string name, Dimension dimension, double otherwise, std::string meaning);
@@ -103,6 +112,31 @@ struct Declaration {
   // More rows than the measurement has degrees of freedom: its noise is carried to them.
   Declaration& dependent_rows() { return dependent = true, *this; }
 
+  // Of effects (effect.h). An amount is zero where nothing is wrong; `typical` is its usual size.
+  Declaration& amount(std::string name, Dimension dimension, double typical, std::string meaning);
+  // In units of the reading it corrects, times `dimension`: usual size of an angle, of a length.
+  Declaration& amount_of_reading(std::string name, Dimension dimension, double typical_angle,
+                                 double typical_length, std::string meaning);
+  Declaration& setting(std::string name, Dimension dimension, double otherwise,
+                       std::vector<double> tries, std::string meaning);
+  // In units of the reading, as amounts of it are.
+  Declaration& setting_of_reading(std::string name, double otherwise, std::string meaning);
+  // The input of the same name of the sensor that is corrected.
+  Declaration& of_sensor(std::string name, Dimension dimension);
+  Declaration& needs(Covariate covariate);
+  // From which value of a covariate on it acts; a setting of that name.
+  Declaration& onset(std::string name, Covariate covariate, std::string meaning);
+  Declaration& on(Dimension reading);  // corrects only readings and coordinates of this dimension
+  Declaration& driven_by(Driven driven, std::string meaning);  // an attribute `driver`
+  // A subset of the amounts, tried by itself.
+  Declaration& form(std::vector<std::string> amounts, Driven driven = Driven::no);
+  Declaration& at_joint();  // is called by the joint where the reading is an angle
+  Declaration& usual_size(double length_of_correction, double angle_of_correction);
+  Declaration& shown(Figure figure);
+  Declaration& same_as(std::string tag);  // the same formula: not tried again by a diagnosis
+  Declaration& reference(std::string text);
+  Declaration& everywhere();  // one effect for all places of its kind
+
   const Input* find_input(std::string_view name) const;
   const Choice* find_choice(std::string_view name) const;
 };
@@ -112,6 +146,7 @@ Declaration sensor(std::string tag, Dimension reading, Dimension value, std::str
 Declaration feature(std::string tag, Kind kind, std::string summary);
 Declaration residual(std::string tag, std::vector<Kind> of, std::string summary);
 Declaration shape(std::string tag, int freedom, int points, Sense sense, std::string summary);
+Declaration effect(std::string tag, Acts acts, std::string summary);
 
 // A registered plugin: its declaration and its functions, ready to be traced.
 struct Plugin {
@@ -123,6 +158,8 @@ struct Plugin {
   std::function<Observed<Expr>(Inputs, Choices)> observe;   // features, from columns
   std::function<std::vector<Expr>(const Rigid<Expr>&, const Observed<Expr>&, Inputs, Choices)> rows;
   std::function<std::vector<Expr>(const Vector3<Expr>&, const Expr&)> deviations;  // shapes
+  // effects: 1, 6 or 9 numbers (see parts_of)
+  std::function<std::vector<Expr>(const Around<Expr>&, Inputs, Choices)> act;
   std::string origin;  // "built in", or the file it was loaded from
 };
 

@@ -12,7 +12,8 @@
 namespace talus {
 
 std::string to_string(Family family) {
-  static constexpr const char* names[] = {"joint", "sensor", "feature", "residual", "shape"};
+  static constexpr const char* names[] = {"joint",    "sensor", "feature",
+                                          "residual", "shape",  "effect"};
   return names[static_cast<int>(family)];
 }
 
@@ -170,7 +171,8 @@ void Registry::add(Plugin plugin) {
                      : d.family == Family::feature
                          ? d.kinds.size() == 1 && (plugin.observe || d.kinds[0] == Kind::nothing)
                      : d.family == Family::residual ? plugin.rows && !d.columns.empty()
-                                                    : plugin.deviations && d.freedom > 0;
+                     : d.family == Family::shape    ? plugin.deviations && d.freedom > 0
+                                                    : bool(plugin.act);
   if (!whole) refuse("it lacks the function that a " + to_string(d.family) + " must have");
   plugins.emplace(std::string(d.tag), std::move(plugin));
 }

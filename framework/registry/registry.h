@@ -16,7 +16,7 @@
 namespace talus {
 
 // Raised whenever plugins must be rebuilt; a shared library of another version is refused.
-inline constexpr int plugin_interface_version = 2;
+inline constexpr int plugin_interface_version = 3;
 
 class Registry {
  public:

@@ -7,14 +7,20 @@
 namespace talus {
 namespace {
 
-// The owner of a parameter as the compiler calls it: a name, or for a <calibrate> its number.
+// The owner of a parameter as the compiler calls it: a name, for a <calibrate> its number, for an
+// effect without a name its tag and place.
 Element* find_owner(Element& root, const std::string& owner) {
   int number = 0;
   for (Element& child : root.children)
     if (child.tag == "calibrate" && ++number &&
         owner == "calibrate" + (number == 1 ? "" : std::to_string(number)))
       return &child;
-  return root.find_named(owner);
+  if (Element* named = root.find_named(owner)) return named;
+  for (Element& child : root.children)
+    if (child.name().empty() &&
+        owner == child.tag + (child.find("at") ? "_" + child.text("at") : ""))
+      return &child;
+  return nullptr;
 }
 
 }  // namespace
