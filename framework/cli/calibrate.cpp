@@ -31,29 +31,6 @@ Program compiled(const Model& model, const Registry& registry, const Options& o)
   return program;
 }
 
-// Columns whose equal rows must stay on one side: what unknowns are shared by, sessions where there
-// are enough, and what the user names.
-SplitOptions split_options(const Program& program, const Recordings& recordings, const Options& o) {
-  SplitOptions split;
-  split.check_share = o.check;
-  split.seed = o.common.seed;
-  for (const std::string& columns : o.groups)
-    split.group_columns.push_back(CLI::detail::split(columns, ','));
-  if (!program.settings.groups.empty()) split.group_columns.push_back(program.settings.groups);
-  for (const Unknown& u : program.unknowns)
-    if (!u.per.empty()) split.group_columns.push_back(u.per);
-  if (const RecordedColumn* session = recordings.find("session")) {
-    std::set<double> sessions;
-    for (double v : session->values)
-      if (!std::isnan(v)) sessions.insert(v);
-    if (sessions.size() >= 4 && split.group_columns.empty())
-      split.group_columns.push_back({"session"});
-  }
-  for (const Reading& r : program.readings)
-    if (recordings.find(r.column)) split.reading_columns.push_back(r.column);
-  return split;
-}
-
 std::vector<FoldStep> fold(const Program& program, const Recordings& recordings, const Split& split,
                            const Options& o) {
   std::vector<FoldStep> steps;
@@ -94,7 +71,8 @@ std::vector<SweepStep> sweep(Model& model, const Registry& registry, const Recor
     for (Element& child : model.root.children)
       if (child.tag == "calibrate") child.set("weight", fmt::format("{:.10g}, {:.10g}", w, 1 - w));
     const Program program = compiled(model, registry, o);
-    const Split split = split_rows(recordings, split_options(program, recordings, o));
+    const Split split = split_rows(
+        recordings, split_options(program, recordings, o.check, o.groups, o.common.seed));
     const Fit fit = calibrate(program, recordings, split, o.fit);
     double mean = 0;
     int counted = 0;
@@ -129,7 +107,8 @@ void run(Options& o) {
   ReportContext context{"calibrate", o.model, o.recordings, &measured};
   if (!o.sweep.empty()) context.sweep = sweep(model, registry, recordings, o);
   const Program program = compiled(model, registry, o);
-  const Split split = split_rows(recordings, split_options(program, recordings, o));
+  const Split split =
+      split_rows(recordings, split_options(program, recordings, o.check, o.groups, o.common.seed));
   Fit fit = calibrate(program, recordings, split, o.fit);
   fit.warnings.insert(fit.warnings.begin(), measured.warnings.begin(), measured.warnings.end());
   if (o.folds > 1) context.folds = fold(program, recordings, split, o);
@@ -162,16 +141,7 @@ void add_calibrate(CLI::App& app) {
   auto o = std::make_shared<Options>();
   command->add_option("model", o->model, "model file (.xml or .lua)")->required();
   command->add_option("recordings", o->recordings, "recordings (.csv or .trc)")->required();
-  command
-      ->add_option("--check", o->check,
-                   "share of the groups held out, where there is no column `use`")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 0.9));
-  command
-      ->add_option(
-          "--group", o->groups,
-          "columns whose equal rows stay on one side of the split: star, or location,hole together")
-      ->allow_extra_args(false);
+  add_split(*command, o->check, o->groups);
   command->add_option("--folds", o->folds, "also hold out every group once, in this many folds")
       ->check(CLI::Range(2, 1000));
   command->add_option("--sweep", o->sweep, "try weights w, 1-w of two residuals: first:last:step");

@@ -33,6 +33,13 @@ Measured open_recordings(const Program& program, const std::string& file,
                          const std::string& points_file);
 void add_points(CLI::App& command, std::string& points_file);  // --points
 
+// Which rows are held out: --check, --group.
+void add_split(CLI::App& command, double& check, std::vector<std::string>& groups);
+// Columns whose equal rows must stay on one side: what unknowns are shared by, sessions where there
+// are enough, and what the user names.
+SplitOptions split_options(const Program& program, const Recordings& recordings, double check,
+                           const std::vector<std::string>& groups, std::uint64_t seed);
+
 // Reads a model and applies --set NAME=VALUE (element.attribute=..., or an attribute of
 // <calibrate>).
 Model open_model(const std::string& file, Registry& registry, const Common& common);
@@ -52,6 +59,7 @@ void put(const std::string& file, const std::string& text);
 void add_measure(CLI::App& app);
 void add_check(CLI::App& app);
 void add_calibrate(CLI::App& app);
+void add_diagnose(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_motion(CLI::App& app);
 void add_plugins(CLI::App& app);

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cmath>
 #include <filesystem>
+#include <set>
 #include <thread>
 
 #include "framework/cli/commands.h"
@@ -176,6 +178,40 @@ void put(const std::string& file, const std::string& text) {
     fmt::print("{}", text);
   else
     write_file(file, text);
+}
+
+void add_split(CLI::App& command, double& check, std::vector<std::string>& groups) {
+  command
+      .add_option("--check", check, "share of the groups held out, where there is no column `use`")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 0.9));
+  command
+      .add_option(
+          "--group", groups,
+          "columns whose equal rows stay on one side of the split: star, or location,hole together")
+      ->allow_extra_args(false);
+}
+
+SplitOptions split_options(const Program& program, const Recordings& recordings, double check,
+                           const std::vector<std::string>& groups, std::uint64_t seed) {
+  SplitOptions split;
+  split.check_share = check;
+  split.seed = seed;
+  for (const std::string& columns : groups)
+    split.group_columns.push_back(CLI::detail::split(columns, ','));
+  if (!program.settings.groups.empty()) split.group_columns.push_back(program.settings.groups);
+  for (const Unknown& u : program.unknowns)
+    if (!u.per.empty()) split.group_columns.push_back(u.per);
+  if (const RecordedColumn* session = recordings.find("session")) {
+    std::set<double> sessions;
+    for (double v : session->values)
+      if (!std::isnan(v)) sessions.insert(v);
+    if (sessions.size() >= 4 && split.group_columns.empty())
+      split.group_columns.push_back({"session"});
+  }
+  for (const Reading& r : program.readings)
+    if (!r.covariate && recordings.find(r.column)) split.reading_columns.push_back(r.column);
+  return split;
 }
 
 }  // namespace talus

@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   talus::add_check(app);
   talus::add_calibrate(app);
+  talus::add_diagnose(app);
   talus::add_simulate(app);
   talus::add_measure(app);
   talus::add_axes(app);

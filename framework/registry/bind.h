@@ -99,6 +99,12 @@ Plugin make() {
       return numbers_of(call(&P::template act<Expr>, in, ch, around));
     };
   }
+  // An effect of so many inputs that they come as a list.
+  if constexpr (requires { &P::template act_on_list<Expr>; })
+    plugin.act = [](const Around<Expr>& around, In in, Ch ch) {
+      return numbers_of(P::template act_on_list<Expr>(
+          around, std::vector<Expr>(in.begin(), in.end()), std::vector<int>(ch.begin(), ch.end())));
+    };
   return plugin;
 }
 

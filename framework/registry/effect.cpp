@@ -125,6 +125,11 @@ Declaration& Declaration::usual_size(double length_of_correction, double angle_o
   return *this;
 }
 
+Declaration& Declaration::unknown() {
+  effect.unknown = true;
+  return *this;
+}
+
 Declaration& Declaration::everywhere() {
   effect.everywhere = true;
   return *this;

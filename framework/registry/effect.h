@@ -134,6 +134,7 @@ struct EffectTraits {
   std::vector<Figure> figures;
   std::string same_as, reference;
   bool everywhere = false;
+  bool unknown = false;   // a curve of no known cause
   bool at_joint = false;  // corrects a reading, but is called by the joint where that is an angle
   // Usual size of the correction itself (mm, rad), where that is better known than the amounts'.
   double typical_length = 0, typical_angle = 0;

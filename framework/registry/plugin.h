@@ -135,6 +135,8 @@ struct Declaration {
   Declaration& shown(Figure figure);
   Declaration& same_as(std::string tag);  // the same formula: not tried again by a diagnosis
   Declaration& reference(std::string text);
+  Declaration&
+  unknown();  // a curve of no known cause: what a diagnosis finds when nothing else fits
   Declaration& everywhere();  // one effect for all places of its kind
 
   const Input* find_input(std::string_view name) const;

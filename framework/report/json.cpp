@@ -1,7 +1,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "framework/report/report.h"
+#include "framework/report/json_parts.h"
 
 namespace talus {
 namespace {
@@ -66,9 +66,8 @@ Json probed(const Measured& measured, const UnitSystem& units) {
 
 }  // namespace
 
-std::string json_report(const Program& program, const Fit& fit, const ReportContext& context) {
-  const UnitSystem& units = program.units;
-  Json baseline{{"fit_rms", value(fit.fit_rms)},
+nlohmann::ordered_json json_of(const Fit& fit, const UnitSystem& units) {
+  return Json{{"fit_rms", value(fit.fit_rms)},
                 {"heldout_rms", value(fit.heldout_rms)},
                 {"expected_rms", value(fit.expected_rms)},
                 {"chi2", value(fit.chi2)},
@@ -98,6 +97,10 @@ std::string json_report(const Program& program, const Fit& fit, const ReportCont
                 {"stopped", fit.stopped},
                 {"solver", fit.solver},
                 {"warnings", fit.warnings}};
+}
+
+std::string json_report(const Program& program, const Fit& fit, const ReportContext& context) {
+  const UnitSystem& units = program.units;
   Json out{{"talus", TALUS_VERSION},
            {"command", context.command},
            {"model", context.model_file},
@@ -106,7 +109,7 @@ std::string json_report(const Program& program, const Fit& fit, const ReportCont
             {{"fit", fit.poses_fit},
              {"check", fit.poses_check},
              {"check_rows", fit.residuals_check.poses}}},
-           {"baseline", std::move(baseline)}};
+           {"baseline", json_of(fit, units)}};
   if (context.measured && !context.measured->shapes.empty())
     out["probed"] = probed(*context.measured, units);
   if (!context.sweep.empty()) {

@@ -13,6 +13,7 @@ struct JointCompliance {
         .on(angle)
         .amount("compliance", angle / torque, 1e-3 * deg / 1e6, "angle per moment")
         .usual_size(0, 0.03 * deg)
+        .shown(renamed("compliance", "compliance", "deg/(N*m)"))
         .needs(Covariate::load)
         .reference("Nubiola and Bonev 2013; Klimchik and Pashkevich 2014");
   }
@@ -30,6 +31,7 @@ struct BearingTiltCompliance {
                   "bearings tilt: compliance times the static moment across the axis")
         .amount("compliance", angle / torque, 1e-3 * deg / 1e6, "angle per moment")
         .usual_size(0, 0.03 * deg)
+        .shown(renamed("compliance", "compliance", "deg/(N*m)"))
         .needs(Covariate::load);
   }
   template <class T>

@@ -33,6 +33,7 @@ struct LinkBending {
     return effect("link_bending", Acts::link, "link bends as a cantilever of flexibility 1/(EI)")
         .amount("flexibility", number / (torque * length), 1e-5 / 1e9, "1/(EI)")
         .usual_size(0.1, 0.03 * deg)
+        .shown(renamed("flexibility", "flexibility", "1/(N*m^2)"))
         .needs(Covariate::tip_load)
         .reference("Euler-Bernoulli beam");
   }
@@ -51,6 +52,7 @@ struct Creep {
         .amount("flexibility", number / (torque * length), 1e-6 / 1e9, "1/(EI) per unit of the log")
         .setting("tau", duration, 600, {600}, "time after which it begins to slow down")
         .usual_size(0.03, 0.01 * deg)
+        .shown(renamed("flexibility", "flexibility", "1/(N*m^2)"))
         .needs(Covariate::tip_load)
         .needs(Covariate::since);
   }
@@ -68,6 +70,7 @@ struct LinkTorsion {
                   "link twists about the line from joint to joint: flexibility 1/(GJ)")
         .amount("flexibility", number / (torque * length), 1e-5 / 1e9, "1/(GJ)")
         .usual_size(0, 0.03 * deg)
+        .shown(renamed("flexibility", "flexibility", "1/(N*m^2)"))
         .needs(Covariate::tip_load);
   }
   template <class T>

@@ -15,7 +15,8 @@ struct ThermalDrift {
         .needs(Covariate::time)
         .needs(Covariate::temperature)
         .form({"rate"})
-        .form({"per_degree"});
+        .form({"per_degree"})
+        .shown(renamed("rate", "rate", "deg/h|mm/h"));
   }
   template <class T>
   static T act(const Around<T>& around, T rate, T per_degree) {
@@ -30,6 +31,7 @@ struct ReadingDrift {
         .amount_of_reading("rate", number / duration, 0.02 * deg / 3600, 0.002 / 3600,
                            "drift per time")
         .needs(Covariate::time)
+        .shown(renamed("rate", "rate", "deg/h|mm/h"))
         .same_as("thermal_drift");
   }
   template <class T>

@@ -1,0 +1,92 @@
+// talus diagnose: what physics is missing, where, how sure; and the model that has it.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "framework/cli/commands.h"
+#include "framework/dsl/dsl.h"
+#include "framework/report/diagnosis_report.h"
+
+namespace talus {
+namespace {
+
+struct Options {
+  Common common;
+  std::string model, recordings, points;
+  double check = 0.3;
+  std::vector<std::string> groups, only;
+  DiagnosisOptions diagnosis;
+};
+
+// One line on a terminal's standard error, rewritten.
+void show_progress(const std::string& step, double share) {
+  if (!isatty(2)) return;
+  const int width = 30, filled = static_cast<int>(share * width);
+  fmt::print(stderr, "\r{:<14} [{}{}]\x1b[K", step, std::string(filled, '#'),
+             std::string(width - filled, ' '));
+}
+
+void run(Options& o) {
+  const std::filesystem::path folder = o.common.out.empty() ? "." : o.common.out;
+  if (std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
+    throw InputError({folder.string(), 0, 0}, "is no folder", "--out DIR");
+  check_writable(o.common.json);
+  Registry registry = o.common.registry();
+  const Model model = open_model(o.model, registry, o.common);
+  const Program program = compile(model, registry);
+  const Measured measured = open_recordings(program, o.recordings, o.points);
+  const Recordings& recordings = measured.recordings;
+  const Split split =
+      split_rows(recordings, split_options(program, recordings, o.check, o.groups, o.common.seed));
+  for (const std::string& tag : o.only)
+    if (!registry.find(tag, Family::effect))
+      throw InputError({"--only " + tag, 0, 0}, "no such effect",
+                       "one of: " + join(registry.tags(Family::effect)),
+                       nearest(tag, registry.tags(Family::effect)));
+  o.diagnosis.fit.threads = o.common.thread_count();
+  o.diagnosis.fit.seed = o.diagnosis.search.seed = o.common.seed;
+  o.diagnosis.search.suspects.only = o.only;
+  if (!o.common.quiet) o.diagnosis.progress = show_progress;
+  const Diagnosis d = diagnose(model, registry, recordings, split, o.diagnosis);
+  if (!o.common.quiet && isatty(2)) fmt::print(stderr, "\r\x1b[K");
+
+  std::string file;
+  if (!d.findings.empty()) {
+    Model extended = calibrated_model(d.extended_model, *d.program_after, d.after);
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error)
+      throw InputError({folder.string(), 0, 0}, "cannot be made: " + error.message(), "--out DIR");
+    const bool lua = o.model.ends_with(".lua");
+    file = (folder / (std::filesystem::path(o.model).stem().string() +
+                      (lua ? "-extended.lua" : "-extended.xml")))
+               .string();
+    move_plugin_paths(extended, o.model, file);
+    write_file(file, lua ? write_lua(extended) : write_xml(extended));
+  }
+  const ReportContext context{"diagnose", o.model, o.recordings, &measured};
+  if (!o.common.json.empty()) put(o.common.json, diagnosis_json(d, context, file));
+  if (!o.common.quiet && o.common.json != "-") fmt::print("{}", diagnosis_text(d, file));
+  exit_code() = d.baseline.converged ? 0 : 1;
+}
+
+}  // namespace
+
+void add_diagnose(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "diagnose",
+      "locate what simulation and recordings differ by, name it, model it, prove it on rows held "
+      "out; writes the extended model");
+  auto o = std::make_shared<Options>();
+  command->add_option("model", o->model, "model file (.xml or .lua)")->required();
+  command->add_option("recordings", o->recordings, "recordings (.csv or .trc)")->required();
+  add_split(*command, o->check, o->groups);
+  command->add_option("--only", o->only, "effects to consider, instead of all that are registered")
+      ->delimiter(',');
+  add_points(*command, o->points);
+  add_common(*command, o->common, true, true);
+  command->callback([o] { run(*o); });
+}
+
+}  // namespace talus

@@ -1,0 +1,62 @@
+// A diagnosis from start to end: where simulation and recordings differ, by what physics, how sure,
+// what else it could be, and whether it carries over to rows that took no part.
+//
+// The ordinary is ruled out first (faults of columns, blunders, noise); then effects are searched
+// for on the rows to fit; the rows held out are looked at once, at the end, by the fits with and
+// without what was found.
+#pragma once
+
+#include <functional>
+
+#include "framework/diagnosis/evidence.h"
+#include "framework/diagnosis/search.h"
+#include "framework/diagnosis/shown.h"
+
+namespace talus {
+
+enum class Verdict { nothing_missing, explained, ambiguous, unknown_physics, bad_data };
+std::string to_string(Verdict verdict);  // as in JSON: "nothing-missing", ...
+
+struct NamedRival {
+  std::string effect, location;
+  double probability = 0;
+};
+
+struct Finding {
+  std::string effect, location;
+  double probability = 0;
+  std::vector<ShownValue> parameters;
+  std::string driver;     // the coordinate that drives it, where one does
+  double delta_chi2 = 0;  // lost on the rows to fit without it, all else refitted
+  double delta_bic = 0;
+  double p_value = 1;                            // of the best of all candidates by chance
+  double sigmas = 0;                             // what it explains per pose, in sigmas of a pose
+  double heldout_before = 0, heldout_after = 0;  // without and with it, the others kept
+  std::vector<NamedRival> rivals;
+  std::string statement;
+  Accepted accepted;
+};
+
+struct Diagnosis {
+  Verdict verdict = Verdict::nothing_missing;
+  std::string statement;
+  std::vector<Finding> findings, hints;  // hints: significant, but too small to be a claim
+  Fit baseline, after;  // after is that of the extended model; the baseline where nothing was found
+  std::shared_ptr<const Program> program, program_after;
+  Model extended_model;  // as it was given, where nothing was found
+  HeldOut heldout;
+  Search search;
+  std::vector<std::string> warnings;
+  double seconds = 0;
+};
+
+struct DiagnosisOptions {
+  FitOptions fit;
+  SearchOptions search;
+  std::function<void(const std::string& step, double share)> progress;
+};
+
+Diagnosis diagnose(const Model& model, const Registry& registry, const Recordings& recordings,
+                   const Split& split, const DiagnosisOptions& options = {});
+
+}  // namespace talus

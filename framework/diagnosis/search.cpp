@@ -1,0 +1,213 @@
+#include "framework/diagnosis/search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "framework/diagnosis/tails.h"
+
+namespace talus {
+namespace {
+
+constexpr double kLeastEvidence = 3;  // ln Bayes factor for an effect to be taken in
+constexpr double kUnknownPrior = -4;  // ln prior odds of a curve without a cause
+constexpr double kSwap = 3;           // ln by which a rival must be better
+constexpr double kDropLogP = -6.9;    // a member whose loss costs less than this is dropped
+
+bool same_place(const Accepted& a, const Suspect& s) {
+  return a.suspect.plugin == s.plugin && a.suspect.at == s.at;
+}
+
+class Searcher {
+ public:
+  Searcher(const Ground& ground, const SearchOptions& options)
+      : ground_(ground), options_(options) {}
+
+  Search run(const Trial& null) {
+    result_.null = result_.best = null;
+    for (int round = 0; round < options_.most_effects; ++round) {
+      auto stage = std::make_shared<Stage>(stage_of(ground_, result_.best, stage_options()));
+      if (round == 0) result_.stage = stage;
+      result_.last = stage;
+      GateOptions gate_options;
+      gate_options.alpha = round == 0 ? options_.alpha_first : options_.alpha_later;
+      gate_options.seed = options_.seed + static_cast<std::uint64_t>(round);
+      gate_options.threads = ground_.threads;
+      const Gate gate = stage->screen.gate(gate_options);
+      if (round == 0) result_.first = gate;
+      if (!gate.open) break;
+      std::vector<Alternative> tried = finalists(*stage, result_.best);
+      if (tried.empty() || tried[0].evidence < kLeastEvidence) break;
+      std::vector<Accepted> effects = result_.best.effects;
+      effects.push_back(tried[0].effect);
+      result_.best = std::move(best_trial_);
+      result_.members.push_back({0, gate, std::move(tried)});
+      if (round > 0) backward(), swaps();
+      progress("searching", (round + 1.0) / options_.most_effects);
+    }
+    alternatives();
+    return std::move(result_);
+  }
+
+ private:
+  StageOptions stage_options() const { return {options_.suspects}; }
+
+  void progress(const std::string& step, double share) const {
+    if (options_.progress) options_.progress(step, share);
+  }
+
+  // The most promising candidates beside a hypothesis, fitted for real; the best first.
+  std::vector<Alternative> finalists(const Stage& stage, const Trial& base) {
+    const std::vector<Score> scores = stage.screen.scores();
+    const std::vector<SuspectScore> ranking = stage.screen.suspects();
+    struct Entry {
+      const Score* score;
+      double evidence;
+    };
+    std::vector<Entry> entries;
+    std::vector<double> of_suspect(stage.suspects.suspects.size(), 0);
+    std::vector<int> forms(stage.suspects.suspects.size(), 0);
+    for (const Way& way : stage.suspects.ways) ++forms[way.suspect];
+    for (const SuspectScore& s : ranking) of_suspect[s.suspect] = s.log_bayes;
+    for (const Score& s : scores) {
+      const Way& way = stage.suspects.ways[s.pick.form];
+      const Suspect& suspect = stage.suspects.suspects[way.suspect];
+      if (s.freedom == 0 || taken(base, suspect)) continue;
+      const double prior = suspect.effect == "unknown" ? kUnknownPrior : 0;
+      entries.push_back({&s, s.log_bayes - std::log(forms[way.suspect]) + prior});
+    }
+    std::stable_sort(entries.begin(), entries.end(),
+                     [](const Entry& a, const Entry& b) { return a.evidence > b.evidence; });
+    std::vector<std::vector<Accepted>> hypotheses;
+    std::vector<Alternative> result;
+    std::vector<int> count(stage.suspects.suspects.size(), 0);
+    const double top = entries.empty() ? 0 : entries[0].evidence;
+    for (const Entry& e : entries) {
+      if (static_cast<int>(result.size()) >= options_.finalists) break;
+      if (e.evidence < top - std::max(25.0, 0.5 * std::abs(top))) break;
+      const int s = stage.suspects.ways[e.score->pick.form].suspect;
+      if (++count[s] > 2) continue;
+      hypotheses.push_back(base.effects);
+      hypotheses.back().push_back(stage.accepted(ground_, *e.score));
+      // Occam's term of the screening, the gain of the refit.
+      result.push_back(
+          {hypotheses.back().back(), e.evidence - e.score->gain * noise(stage) / 2, 0, 0});
+    }
+    if (hypotheses.empty()) return {};
+    std::vector<Trial> trials = fit_trials(ground_, hypotheses, base);
+    const double scale = std::max(1.0, trials_scale(stage));
+    std::size_t best = 0;
+    for (std::size_t i = 0; i < trials.size(); ++i) {
+      result[i].cost2 = trials[i].cost2;
+      result[i].evidence += (base.cost2 - trials[i].cost2) / 2;
+      if (!std::isfinite(result[i].evidence)) result[i].evidence = -1e300;
+      result[i].effect = trials[i].effects.empty() ? result[i].effect : trials[i].effects.back();
+      if (result[i].evidence > result[best].evidence) best = i;
+    }
+    (void)scale;
+    best_trial_ = trials[best];
+    std::stable_sort(result.begin(), result.end(), [](const Alternative& a, const Alternative& b) {
+      return a.evidence > b.evidence;
+    });
+    return result;
+  }
+
+  // Gains of a studentised screen are in units of the noise left over.
+  static double noise(const Stage& stage) {
+    return stage.studentised ? stage.chi2 / std::max(1.0, stage.dof) : 1;
+  }
+  static double trials_scale(const Stage& stage) { return noise(stage); }
+
+  static bool taken(const Trial& trial, const Suspect& s) {
+    return std::any_of(trial.effects.begin(), trial.effects.end(),
+                       [&](const Accepted& a) { return same_place(a, s); });
+  }
+
+  std::vector<Accepted> without(std::size_t i) const {
+    std::vector<Accepted> rest = result_.best.effects;
+    rest.erase(rest.begin() + static_cast<long>(i));
+    return rest;
+  }
+
+  void backward() {
+    for (std::size_t i = 0; i < result_.best.effects.size();) {
+      const Trial rest = fit_trial(ground_, without(i), result_.best);
+      const double loss = rest.cost2 - result_.best.cost2,
+                   freedom = static_cast<double>(result_.best.effects[i].amounts.size());
+      const double leftover = std::max(
+          1.0, noise(*result_.last) * 0 + result_.best.chi2 / std::max(1.0, result_.last->dof));
+      if (log_chi2_tail(std::max(0.0, loss / leftover), freedom) > kDropLogP) {
+        result_.best = rest;
+        result_.members.erase(result_.members.begin() + static_cast<long>(i));
+      } else {
+        ++i;
+      }
+    }
+  }
+
+  void swaps() {
+    for (std::size_t i = 0; i < result_.best.effects.size(); ++i) {
+      const Trial rest = fit_trial(ground_, without(i), result_.best);
+      const Stage stage = stage_of(ground_, rest, stage_options());
+      std::vector<Alternative> tried = finalists(stage, rest);
+      if (tried.empty()) continue;
+      double own = -std::numeric_limits<double>::infinity();
+      for (const Alternative& a : tried)
+        if (same_place(a.effect, result_.best.effects[i].suspect)) own = std::max(own, a.evidence);
+      if (tried[0].evidence > own + kSwap && best_trial_.cost2 < result_.best.cost2 - 6) {
+        result_.best = best_trial_;
+        std::rotate(result_.best.effects.begin() + static_cast<long>(i),
+                    result_.best.effects.end() - 1, result_.best.effects.end());
+      }
+    }
+  }
+
+  // Of each member, what else could stand in its place.
+  void alternatives() {
+    const auto& effects = result_.best.effects;
+    for (std::size_t i = 0; i < effects.size(); ++i) {
+      Member& m = result_.members[i];
+      Trial rest = result_.null;
+      if (effects.size() > 1 || m.alternatives.empty()) {
+        rest = fit_trial(ground_, without(i), result_.best);
+        const Stage stage = stage_of(ground_, rest, stage_options());
+        m.alternatives = finalists(stage, rest);
+      }
+      m.gain = rest.cost2 - result_.best.cost2;
+      probabilities(m.alternatives);
+      progress("rivals", (i + 1.0) / static_cast<double>(effects.size()));
+    }
+  }
+
+  void probabilities(std::vector<Alternative>& all) const {
+    if (all.empty()) return;
+    // One entry per suspect: its best way.
+    std::vector<Alternative> merged;
+    for (Alternative& a : all)
+      if (std::none_of(merged.begin(), merged.end(), [&](const Alternative& m) {
+            return same_place(m.effect, a.effect.suspect);
+          }))
+        merged.push_back(a);
+    all = std::move(merged);
+    // Where even the best leaves more than the noise, differences count for less.
+    const double left =
+        std::max(1.0, result_.best.chi2 / std::max(1.0, result_.last ? result_.last->dof : 1.0));
+    double sum = 0;
+    for (Alternative& a : all)
+      sum += a.probability = std::exp((a.evidence - all[0].evidence) / left);
+    for (Alternative& a : all) a.probability /= sum;
+  }
+
+  const Ground& ground_;
+  const SearchOptions& options_;
+  Search result_;
+  Trial best_trial_;
+};
+
+}  // namespace
+
+Search search(const Ground& ground, const Trial& null, const SearchOptions& options) {
+  return Searcher(ground, options).run(null);
+}
+
+}  // namespace talus
