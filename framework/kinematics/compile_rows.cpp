@@ -255,6 +255,12 @@ Program Compiler::run() {
     if (e.tag == "datum") datum(e);
   for (const Element& e : model_.root.children)
     if (e.tag == "limb") limb(e);
+  for (const Element& e : model_.root.children) {
+    if (e.tag == "chain")
+      for (const Element& joint : e.children) link(joint);
+    if (e.tag == "gravity") gravity(e);
+    if (e.tag == "payload") payload(e);
+  }
   for (const Element& e : model_.root.children)
     if (registry_.find(e.tag, Family::feature)) feature(e);
   bool any = false;

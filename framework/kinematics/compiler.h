@@ -64,7 +64,13 @@ class Compiler {
 
   // limbs (compile_limbs.cpp)
   void limb(const Element& element);
-  double fixed_length(const Attribute& attribute);
+  double fixed(const Attribute& attribute, Dimension dimension, const std::string& expected);
+
+  // masses, gravity, payloads (compile_loads.cpp)
+  void link(const Element& joint);
+  void gravity(const Element& element);
+  void payload(const Element& element);
+  double fixed_mass(const Attribute& attribute);
 
   // features and residual rows (compile_rows.cpp)
   void feature(const Element& element);

@@ -106,6 +106,8 @@ void Posture::set(std::span<const double> coordinates, std::span<const double> p
     const int parent = program_->frames[axis.frame].parent;
     const Eigen::Isometry3d before = parent < 0 ? Eigen::Isometry3d::Identity() : frames_[parent];
     axis.turns = w.norm() > 1e-9;
+    axis.rate = (axis.turns ? w : slide).norm();
+    axis.pitch = axis.turns ? w.dot(slide) / w.squaredNorm() : 0;
     axis.direction = before.linear() * (axis.turns ? w : slide).normalized();
     axis.point = axis.turns ? before * (w.cross(slide) / w.squaredNorm()).eval()
                             : frames_[axis.frame].translation().eval();

@@ -24,6 +24,14 @@ struct JointAxis {
   bool turns = true;                 // rotates about the line; otherwise slides along it
   Eigen::Vector3d point, direction;  // of the line: mm, unit vector
   int coordinate = -1;               // which moves it: number among readings, then unknowns
+  double rate = 1, pitch = 0;  // rad (mm) per unit of the coordinate; mm along the line per rad
+
+  // How a point of the body behind it moves per unit of the coordinate.
+  Eigen::Vector3d turn() const { return turns ? Eigen::Vector3d(rate * direction) : zero(); }
+  Eigen::Vector3d shift(const Eigen::Vector3d& p) const {
+    return turns ? Eigen::Vector3d(turn().cross(p - point) + pitch * turn()) : rate * direction;
+  }
+  static Eigen::Vector3d zero() { return Eigen::Vector3d::Zero(); }
 };
 
 class Posture {

@@ -85,6 +85,30 @@ struct Frame {
   Place place;
 };
 
+// The mass of the rigid body that a frame belongs to, from that frame's joint to the next.
+struct Link {
+  int frame = -1;
+  double mass = 0;
+  Vector3<double> com{};  // centre of mass in the frame
+  Place place;
+};
+
+struct Gravity {
+  int frame = 0;                // in which the direction is given
+  Vector3<double> direction{};  // unit vector, downwards
+  double magnitude = 0;         // mm/s^2
+  int held_at = -1;             // frame that something holds, so that no joint carries a torque
+  Place place;
+};
+
+// A point mass at a frame's origin: of the recordings' column, or always the same.
+struct Payload {
+  int frame = -1;
+  std::string column;  // empty: `mass` holds
+  double mass = 0;
+  Place place;
+};
+
 // T_in_at as a product of motions; its end pose is read through twelve slots, the rotation's
 // rows then the translation.
 struct Chain {
@@ -177,6 +201,9 @@ struct Program {
   std::vector<Frame> frames;
   std::map<std::string, int> frame_index;  // aliases included
   std::vector<Limb> limbs;
+  std::vector<Link> links;
+  std::optional<Gravity> gravity;
+  std::vector<Payload> payloads;
   std::vector<Chain> chains;
   std::vector<ProbedShape> shapes;
   std::vector<Datum> datums;

@@ -34,11 +34,6 @@ class Converter {
       const Plugin* plugin = registry_.find(child.tag);
       if (child.tag != "chain" && !(plugin && plugin->declaration.family == Family::sensor))
         mention(child);
-      const Attribute* gravity = child.tag == "chain" ? child.find("gravity") : nullptr;
-      if (gravity && child.text("from") != program_.frames[0].name)
-        throw InputError(gravity->place,
-                         "gravity is given in a frame that would not be there any more",
-                         "<gravity in=\"" + program_.frames[0].name + "\" .../>");
     }
     std::vector<AxisLine> lines;
     for (const ChainHinge& hinge : chain_.hinges) lines.push_back(hinge.line);
@@ -109,25 +104,11 @@ class Converter {
   void put_mass(Element& e, int body) const {
     double sum = 0;
     Vector3d moment = Vector3d::Zero();
-    for (std::size_t f = 1; f < program_.frames.size(); ++f) {
-      if (chain_.body[f] != body) continue;
-      const Element& joint = *chain_.joints.at(program_.frames[f].name);
-      const Attribute* m = joint.find("mass");
-      if (!m) continue;
-      const double kg = parse_quantity(m->text, mass, program_.units, m->place).value;
-      Vector3d centre = Vector3d::Zero();
-      if (const Attribute* com = joint.find("com")) {
-        std::size_t at = 0;
-        for (int i = 0; i < 3 && at != std::string::npos; ++i) {
-          const std::size_t comma = com->text.find(',', at);
-          centre[i] =
-              parse_quantity(com->text.substr(at, comma - at), length, program_.units, com->place)
-                  .value;
-          at = comma == std::string::npos ? comma : comma + 1;
-        }
-      }
-      sum += kg;
-      moment += kg * (carrier(body).inverse() * (chain_.frames[f] * centre));
+    for (const Link& link : program_.links) {
+      if (chain_.body[link.frame] != body) continue;
+      const Vector3d centre(link.com[0], link.com[1], link.com[2]);
+      sum += link.mass;
+      moment += link.mass * (carrier(body).inverse() * (chain_.frames[link.frame] * centre));
     }
     if (sum == 0) return;
     e.set("mass", number_text(sum, Unit{"kg", mass}) + " kg");
@@ -199,8 +180,6 @@ class Converter {
         continue;
       }
       if (!done) {
-        const Attribute* gravity = child.find("gravity");
-        if (gravity) chains[0].set("gravity", gravity->text);
         result.root.children.insert(result.root.children.end(), chains.begin(), chains.end());
       }
       done = true;

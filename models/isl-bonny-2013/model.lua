@@ -54,7 +54,7 @@ return talus {
     },
   },
   encoders,
-  gravity { ["in"] = "B", x = "-0.1696", y = "-0.2545", z = "-0.9521" },
+  gravity { ["in"] = "B", x = "-0.1696", y = "-0.2545", z = "-0.9521", held_at = "E" },
   probing("B"), probing("E"),
   frame { name = "E", ["in"] = "B", probed = "E_datum in B_datum", sigma = "0.005 mm, 0.002 deg" },
   calibrate { residual = "position, projection_angles", of = "E" },

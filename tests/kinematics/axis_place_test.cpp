@@ -3,25 +3,12 @@
 
 #include <sstream>
 
-#include "framework/kinematics/pose_values.h"
-#include "framework/kinematics/posture.h"
-#include "tests/support/models.h"
+#include "tests/support/loads.h"
 
 using namespace talus;
 using namespace talus::testing;
 
 namespace {
-
-Eigen::Isometry3d numbers(const Program& program, const Rigid<Expr>& transform,
-                          const std::vector<double>& slots) {
-  const PlainPose pose = PoseValues(program, transform)(slots);
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) T(i, j) = pose.rotation[i][j];
-    T(i, 3) = pose.translation[i];
-  }
-  return T;
-}
 
 // <joint name="J" .../> behind a frame that lies askew, at a coordinate of 0.4.
 void check(const std::string& joint, bool turns = true) {

@@ -124,6 +124,58 @@ const Case cases[] = {
     {"a feature whose own name is no frame", around(R"(<point name="probe" in="B"/>)"),
      R"(model.xml:2:16: no frame 'probe'
   expected one of: B, E, joint1, joint2)"},
+    {"a centre of mass without a mass", joint(R"(<dh name="j" theta="encoder1" com="1, 2, 3"/>)"),
+     R"(model.xml:2:62: <dh name="j"> has a centre of mass, but no mass
+  expected mass="...": mass of the link behind the joint, such as 0.18 kg)"},
+    {"a negative mass", joint(R"(<dh name="j" theta="encoder1" mass="-1 kg"/>)"),
+     R"(model.xml:2:63: mass="-1 kg"
+  expected zero or more)"},
+    {"a mass in millimetres", joint(R"(<dh name="j" theta="encoder1" mass="1 mm"/>)"),
+     R"(model.xml:2:65: 'mm' measures a length
+  expected a mass (kg, g))"},
+    {"a mass to be calibrated", joint(R"(<dh name="j" theta="encoder1" mass="1 ± 0.1"/>)"),
+     R"(model.xml:2:63: mass="1 ± 0.1" is free
+  expected a mass that is not calibrated, such as 0.18 kg)"},
+    {"a centre of mass of two numbers",
+     joint(R"(<dh name="j" theta="encoder1" mass="1 kg" com="1, 2"/>)"),
+     R"(model.xml:2:74: com="1, 2"
+  expected three lengths: x, y, z in the frame behind it)"},
+    {"a centre of mass in degrees",
+     joint(R"(<dh name="j" theta="encoder1" mass="1 kg" com="1, 2 deg, 3"/>)"),
+     R"(model.xml:2:79: 'deg' measures an angle
+  expected a length (mm, m, um, cm, in))"},
+    {"gravity without a direction", around(R"(<gravity in="B" x="0"/>)"),
+     R"(model.xml:2:3: gravity has no direction
+  expected components of a vector that points down, such as z="-1")"},
+    {"gravity in no frame", around(R"(<gravity in="F" z="-1"/>)"), R"(model.xml:2:16: no frame 'F'
+  expected one of: B, E, joint1, joint2
+  did you mean 'B'?)"},
+    {"gravity of no size", around(R"(<gravity z="-1" magnitude="0"/>)"),
+     R"(model.xml:2:30: magnitude="0"
+  expected more than zero)"},
+    {"gravity in kilograms", around(R"(<gravity z="-1" magnitude="9.81 kg"/>)"),
+     R"(model.xml:2:35: 'kg' measures a mass
+  expected an acceleration (m/s^2))"},
+    {"gravity given twice", around(R"(<gravity z="-1"/> <gravity z="1"/>)"),
+     R"(model.xml:2:21: gravity is given twice (before at model.xml:2:3)
+  expected one <gravity>)"},
+    {"a linkage held nowhere", around(R"(<gravity z="-1" held_at="F"/>)"),
+     R"(model.xml:2:28: no frame 'F'
+  expected one of: B, E, joint1, joint2
+  did you mean 'B'?)"},
+    {"a linkage held at its root", around(R"(<gravity z="-1" held_at="B"/>)"),
+     R"(model.xml:2:28: 'B' is the root, which stands anyway
+  expected the frame at the other end that something holds)"},
+    {"a payload at no frame", around(R"(<payload at="jont2" mass="1 kg"/>)"),
+     R"(model.xml:2:16: no frame 'jont2'
+  expected one of: B, E, joint1, joint2
+  did you mean 'joint2'?)"},
+    {"a payload of no mass", around(R"(<payload at="E"/>)"),
+     R"(model.xml:2:3: a payload at 'E' of no mass
+  expected either column="...", a column of the recordings, or mass="2 kg")"},
+    {"a payload of two masses", around(R"(<payload at="E" column="load" mass="1 kg"/>)"),
+     R"(model.xml:2:3: a payload at 'E' with both a column and a mass
+  expected either column="...", a column of the recordings, or mass="2 kg")"},
     {"no chain at all", "<talus>\n  <encoder name=\"q\"/>\n</talus>",
      R"(model.xml:1:1: the model has no <chain>
   expected at least one <chain from="..." to="...">)"},
