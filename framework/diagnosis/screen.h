@@ -77,7 +77,6 @@ struct Gate {
   bool open = false;         // family_p <= alpha
   double family_p = 1;       // of the best candidate, all tries taken into account
   double log_p = 0;          // smallest of all
-  double log_bayes = 0;      // largest of all suspects
   Pick best;                 // the one of the smallest p
   double threshold = 0;      // of log_p, at alpha; where nothing was drawn, as if tests were apart
   int tests = 0, draws = 0;  // draws are 0 where the answer was clear without

@@ -22,62 +22,35 @@ std::uint64_t mixed(std::uint64_t seed, std::uint64_t draw) {
   return x ^ (x >> 31);
 }
 
-// The best of all candidates, for each column of y.
+// The smallest p of all tests, for each column of y.
 struct Best {
-  double log_p = 0, log_bayes = -INFINITY;
+  double log_p = 0;
   Pick pick;
 };
 
 template <class Inside>
 std::vector<Best> best_of(const Inside& in, const MatrixXd& y, const VectorXd& chi2) {
   const Index count = y.cols();
-  const auto& forms = in.candidates.forms;
   // For one freedom the largest gain has the smallest p.
   std::map<int, std::vector<std::pair<double, Pick>>> largest;
-  MatrixXd bayes = MatrixXd::Constant(static_cast<Index>(forms.size()), count, 0.0);
-  std::vector<std::vector<std::vector<double>>> onsets(forms.size());
   MatrixXd z;
   in.each(y, [&](int t, const MatrixXd& b) {
     const Test& test = in.tests[t];
-    z.noalias() = test.whiten.transpose() * b;
+    if (test.freedom == 0) return;
+    z.noalias() = test.whiten.leftCols(test.freedom).transpose().lazyProduct(b);
     auto& of_freedom = largest[test.freedom];
     if (of_freedom.empty()) of_freedom.assign(count, {0, Pick{}});
     for (Index i = 0; i < count; ++i) {
-      const double gain = z.col(i).head(test.freedom).squaredNorm();
+      const double gain = z.col(i).squaredNorm();
       if (gain > of_freedom[i].first) of_freedom[i] = {gain, test.pick};
     }
-    const int f = test.pick.form;
-    if (forms[f].onset && onsets[f].empty()) onsets[f].resize(count);
-    for (Index i = 0; i < count; ++i) {
-      const double log = in.log_bayes(test, z.col(i), chi2[i]);
-      if (forms[f].onset)
-        onsets[f][i].push_back(log);
-      else
-        bayes(f, i) = log;
-    }
   });
-  std::map<int, std::pair<std::vector<int>, double>> suspects;
-  for (std::size_t f = 0; f < forms.size(); ++f) {
-    auto& [members, weight] = suspects[forms[f].suspect];
-    members.push_back(static_cast<int>(f));
-    weight += forms[f].weight;
-  }
   std::vector<Best> result(count);
-  std::vector<double> logs;
-  for (Index i = 0; i < count; ++i) {
-    for (const auto& [freedom, of_freedom] : largest) {
-      const auto& [gain, pick] = of_freedom[i];
-      const double log_p = in.log_p(gain, freedom, chi2[i]);
-      if (log_p < result[i].log_p) result[i].log_p = log_p, result[i].pick = pick;
+  for (const auto& [freedom, of_freedom] : largest)
+    for (Index i = 0; i < count; ++i) {
+      const double log_p = in.log_p(of_freedom[i].first, freedom, chi2[i]);
+      if (log_p < result[i].log_p) result[i] = {log_p, of_freedom[i].second};
     }
-    for (std::size_t f = 0; f < forms.size(); ++f)
-      if (!onsets[f].empty()) bayes(static_cast<Index>(f), i) = log_mean(onsets[f][i]);
-    for (const auto& [suspect, members] : suspects) {
-      logs.clear();
-      for (const int f : members.first) logs.push_back(bayes(f, i) + std::log(forms[f].weight));
-      result[i].log_bayes = std::max(result[i].log_bayes, log_sum(logs) - std::log(members.second));
-    }
-  }
   return result;
 }
 
@@ -91,7 +64,6 @@ Gate Screen::gate(const GateOptions& options) const {
   const Best found = best_of(in, in.rest, VectorXd::Constant(1, in.chi2)).front();
   gate.best = found.pick;
   gate.log_p = found.log_p;
-  gate.log_bayes = found.log_bayes;
   const double each = std::log(static_cast<double>(gate.tests));
   gate.threshold = std::log(options.alpha) - each;
   gate.family_p = std::exp(std::min(0.0, gate.log_p + each));

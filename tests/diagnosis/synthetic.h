@@ -128,4 +128,14 @@ inline void suspect_all(Chain& c) {
   forms.push_back(shift);
 }
 
+// A joint's compliance and the torsion of the link before it: one column, other units.
+inline int add_twin(Chain& c, int form, double factor, int suspect) {
+  Form twin{.suspect = suspect};
+  for (const int column : c.candidates.forms[form].columns)
+    twin.columns.push_back(c.add(Eigen::VectorXd(factor * c.candidates.columns.col(column)),
+                                 c.candidates.typical[column] / factor));
+  c.candidates.forms.push_back(twin);
+  return static_cast<int>(c.candidates.forms.size()) - 1;
+}
+
 }  // namespace talus::testing
