@@ -268,7 +268,7 @@ Rigid<Expr> Compiler::joint_with_effects(const Element& joint, const Plugin& plu
 
 // Directions are the cosines between the mapped vectors and the instrument's mapped axes where
 // angles are measured, and the mapped vectors themselves where components are.
-Rigid<Expr> Compiler::shown(int feature, const Matrix3<Expr>& R, const Vector3<Expr>& p) {
+Rigid<Expr> Compiler::as_measured(int feature, const Matrix3<Expr>& R, const Vector3<Expr>& p) {
   const Feature& f = program_.features[feature];
   auto known = deformations_.find(feature);
   if (known == deformations_.end()) {

@@ -31,7 +31,7 @@ void Compiler::add_rows(const std::string& residual, int feature, const std::vec
     for (int j = 0; j < 3; ++j) R[i][j] = leaf(first + 3 * i + j);
     p[i] = leaf(first + 9 + i);
   }
-  const std::vector<Expr> values = plugin.rows(shown(feature, R, p), f.observed, inputs, {});
+  const std::vector<Expr> values = plugin.rows(as_measured(feature, R, p), f.observed, inputs, {});
   const std::vector<Column>& columns = plugin.declaration.columns;
   if (values.size() != columns.size())
     throw InputError({plugin.origin, 0, 0},

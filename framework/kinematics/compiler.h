@@ -54,7 +54,7 @@ class Compiler {
   // What the instrument shows of a feature whose modelled pose is (R, p).
   Rigid<Expr> mapped(const Feature& feature, const Matrix3<Expr>& R, const Vector3<Expr>& p,
                      const std::vector<Expr>& D);
-  Rigid<Expr> shown(int feature, const Matrix3<Expr>& R, const Vector3<Expr>& p);
+  Rigid<Expr> as_measured(int feature, const Matrix3<Expr>& R, const Vector3<Expr>& p);
 
   // shapes, datums and what is probed by them (compile_probing.cpp)
   void shape(const Element& element);
