@@ -87,7 +87,8 @@ struct GateOptions {
   std::uint64_t seed = 1;
   int draws = 400;
   int threads = 1;
-  bool always = false;  // draw even where the answer is clear (the threshold is wanted)
+  bool studentised = false;  // judge by the noise that is left, even where it is stated
+  bool always = false;       // draw even where the answer is clear (the threshold is wanted)
 };
 
 // What a rival, at its best, leaves of the signal of another candidate.

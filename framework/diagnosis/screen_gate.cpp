@@ -29,7 +29,7 @@ struct Best {
 };
 
 template <class Inside>
-std::vector<Best> best_of(const Inside& in, const MatrixXd& y, const VectorXd& chi2) {
+std::vector<Best> best_of(const Inside& in, const MatrixXd& y, const VectorXd& chi2, bool known) {
   const Index count = y.cols();
   // For one freedom the largest gain has the smallest p.
   std::map<int, std::vector<std::pair<double, Pick>>> largest;
@@ -48,7 +48,7 @@ std::vector<Best> best_of(const Inside& in, const MatrixXd& y, const VectorXd& c
   std::vector<Best> result(count);
   for (const auto& [freedom, of_freedom] : largest)
     for (Index i = 0; i < count; ++i) {
-      const double log_p = in.log_p(of_freedom[i].first, freedom, chi2[i]);
+      const double log_p = in.log_p(of_freedom[i].first, freedom, chi2[i], known);
       if (log_p < result[i].log_p) result[i] = {log_p, of_freedom[i].second};
     }
   return result;
@@ -59,9 +59,10 @@ std::vector<Best> best_of(const Inside& in, const MatrixXd& y, const VectorXd& c
 Gate Screen::gate(const GateOptions& options) const {
   const Inside& in = *in_;
   Gate gate;
+  const bool known = in.noise_known && !options.studentised;
   for (const Test& t : in.tests) gate.tests += t.freedom > 0;
   if (gate.tests == 0) return gate;
-  const Best found = best_of(in, in.rest, VectorXd::Constant(1, in.chi2)).front();
+  const Best found = best_of(in, in.rest, VectorXd::Constant(1, in.chi2), known).front();
   gate.best = found.pick;
   gate.log_p = found.log_p;
   const double each = std::log(static_cast<double>(gate.tests));
@@ -88,7 +89,7 @@ Gate Screen::gate(const GateOptions& options) const {
       }
       y -= in.Q * (in.Q.transpose() * y);
       const VectorXd chi2 = share * y.colwise().squaredNorm().transpose();
-      const auto best = best_of(in, y, chi2);
+      const auto best = best_of(in, y, chi2, known);
       std::copy(best.begin(), best.end(), draws.begin() + from);
     });
     for (; done < end; ++done) better += draws[done].log_p <= gate.log_p;

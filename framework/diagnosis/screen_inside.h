@@ -49,7 +49,7 @@ struct Screen::Inside {
   template <class F>
   void each(const Eigen::Ref<const Eigen::MatrixXd>& y, F f) const;
   double log_bayes(const Test& test, const Eigen::VectorXd& z, double chi2_of_rows) const;
-  double log_p(double explained, int directions, double chi2_of_rows) const;
+  double log_p(double explained, int directions, double chi2_of_rows, bool known) const;
   Score score(const Test& test, const Eigen::VectorXd& b) const;
 };
 

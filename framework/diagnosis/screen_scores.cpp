@@ -40,9 +40,10 @@ double Screen::Inside::log_bayes(const Test& test, const VectorXd& z, double chi
   return top + std::log(sum);
 }
 
-double Screen::Inside::log_p(double explained, int directions, double chi2_of_rows) const {
+double Screen::Inside::log_p(double explained, int directions, double chi2_of_rows,
+                             bool known) const {
   if (directions == 0) return 0;
-  if (noise_known) return log_chi2_tail(explained, directions);
+  if (known) return log_chi2_tail(explained, directions);
   const double others = freedom - directions;
   if (!(others > 0)) return 0;
   const double left = std::max(0.0, chi2_of_rows - explained);
@@ -58,7 +59,7 @@ Score Screen::Inside::score(const Test& t, const VectorXd& b) const {
   s.visible = t.visible;
   s.log_bayes = log_bayes(t, z, chi2);
   const double explained = seen.squaredNorm();
-  s.log_p = log_p(explained, t.freedom, chi2);
+  s.log_p = log_p(explained, t.freedom, chi2, noise_known);
   const double left =
       noise_known ? 1 : std::max(0.0, chi2 - explained) / std::max(1.0, freedom - t.freedom);
   s.gain = explained / left;

@@ -33,13 +33,32 @@ class Searcher {
       gate_options.alpha = round == 0 ? options_.alpha_first : options_.alpha_later;
       gate_options.seed = options_.seed + static_cast<std::uint64_t>(round);
       gate_options.threads = ground_.threads;
+      gate_options.studentised = stage->studentised;
       const Gate gate = stage->screen.gate(gate_options);
       if (round == 0) result_.first = gate;
+      if (getenv("TALUS_DEBUG")) {
+        fprintf(
+            stderr,
+            "round %d chi2 %.1f dof %.1f stud %d gate open %d p %.3g logp %.1f tests %d draws %d\n",
+            round, stage->chi2, stage->dof, stage->studentised, gate.open, gate.family_p,
+            gate.log_p, gate.tests, gate.draws);
+        auto all = stage->screen.suspects();
+        for (std::size_t i = 0; i < all.size() && i < 8; ++i)
+          fprintf(stderr, "   %s@%s lnB %.1f gain %.1f\n",
+                  stage->suspects.suspects[all[i].suspect].effect.c_str(),
+                  stage->suspects.suspects[all[i].suspect].location.c_str(), all[i].log_bayes,
+                  all[i].best.gain);
+      }
       if (!gate.open) break;
       std::vector<Alternative> tried = finalists(*stage, result_.best);
-      if (tried.empty() || tried[0].evidence < kLeastEvidence) break;
-      std::vector<Accepted> effects = result_.best.effects;
-      effects.push_back(tried[0].effect);
+      // By the noise that the best of them leaves, where that is more than stated.
+      const double left = std::max(1.0, best_trial_.cost2 / std::max(1.0, stage->dof));
+      if (tried.empty() || tried[0].evidence / left < kLeastEvidence) break;
+      if (getenv("TALUS_DEBUG"))
+        for (auto& a : tried)
+          fprintf(stderr, "   tried %s@%s ev %.1f cost2 %.1f (base %.1f)\n",
+                  a.effect.suspect.effect.c_str(), a.effect.suspect.location.c_str(), a.evidence,
+                  a.cost2, result_.best.cost2);
       result_.best = std::move(best_trial_);
       result_.members.push_back({0, gate, std::move(tried)});
       if (round > 0) backward(), swaps();
@@ -90,12 +109,10 @@ class Searcher {
       hypotheses.push_back(base.effects);
       hypotheses.back().push_back(stage.accepted(ground_, *e.score));
       // Occam's term of the screening, the gain of the refit.
-      result.push_back(
-          {hypotheses.back().back(), e.evidence - e.score->gain * noise(stage) / 2, 0, 0});
+      result.push_back({hypotheses.back().back(), e.evidence - e.score->gain / 2, 0, 0});
     }
     if (hypotheses.empty()) return {};
     std::vector<Trial> trials = fit_trials(ground_, hypotheses, base);
-    const double scale = std::max(1.0, trials_scale(stage));
     std::size_t best = 0;
     for (std::size_t i = 0; i < trials.size(); ++i) {
       result[i].cost2 = trials[i].cost2;
@@ -104,19 +121,12 @@ class Searcher {
       result[i].effect = trials[i].effects.empty() ? result[i].effect : trials[i].effects.back();
       if (result[i].evidence > result[best].evidence) best = i;
     }
-    (void)scale;
     best_trial_ = trials[best];
     std::stable_sort(result.begin(), result.end(), [](const Alternative& a, const Alternative& b) {
       return a.evidence > b.evidence;
     });
     return result;
   }
-
-  // Gains of a studentised screen are in units of the noise left over.
-  static double noise(const Stage& stage) {
-    return stage.studentised ? stage.chi2 / std::max(1.0, stage.dof) : 1;
-  }
-  static double trials_scale(const Stage& stage) { return noise(stage); }
 
   static bool taken(const Trial& trial, const Suspect& s) {
     return std::any_of(trial.effects.begin(), trial.effects.end(),
@@ -134,8 +144,7 @@ class Searcher {
       const Trial rest = fit_trial(ground_, without(i), result_.best);
       const double loss = rest.cost2 - result_.best.cost2,
                    freedom = static_cast<double>(result_.best.effects[i].amounts.size());
-      const double leftover = std::max(
-          1.0, noise(*result_.last) * 0 + result_.best.chi2 / std::max(1.0, result_.last->dof));
+      const double leftover = std::max(1.0, result_.best.cost2 / std::max(1.0, result_.last->dof));
       if (log_chi2_tail(std::max(0.0, loss / leftover), freedom) > kDropLogP) {
         result_.best = rest;
         result_.members.erase(result_.members.begin() + static_cast<long>(i));

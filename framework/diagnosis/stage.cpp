@@ -141,28 +141,23 @@ Stage stage_of(const Ground& ground, const Trial& trial, const StageOptions& opt
     if (starts.empty()) form.onsets = {-1};  // nowhere
   }
 
-  Stage stage{.suspects = {},
-              .screen = Screen(Baseline{}, Candidates{}),
-              .rows = residuals.poses,
-              .when = when};
   ScreenOptions screen_options;
   screen_options.threads = ground.threads;
   // By the stated noise first; where that makes the fit impossible, by what is left.
   base.noise_known = options.noise_known && problem.noise_known();
-  Candidates candidates = std::move(found.candidates);
-  found.candidates = {};
-  {
-    const Screen bare(base, Candidates{}, screen_options);
-    stage.chi2 = bare.chi2();
-    stage.dof = bare.freedom();
-    stage.p = base.noise_known ? std::exp(log_chi2_tail(stage.chi2, stage.dof)) : 1;
-    if (base.noise_known && log_chi2_tail(stage.chi2, stage.dof) < kLogMisfit)
-      base.noise_known = false;
-  }
-  stage.studentised = !base.noise_known;
-  stage.screen = Screen(std::move(base), std::move(candidates), screen_options);
-  stage.suspects = std::move(found);
-  return stage;
+  if (getenv("TALUS_DEBUG"))
+    fprintf(stderr, "places %zu suspects %zu ways %zu cols %ld rows %ld untestable %zu\n",
+            program.places.size(), found.suspects.size(), found.ways.size(),
+            (long)found.candidates.columns.cols(), (long)n, found.untestable.size());
+  Candidates candidates = std::move(found.candidates), none;
+  none.columns.resize(n, 0);
+  const Screen bare(base, none, screen_options);
+  const double log_p = log_chi2_tail(bare.chi2(), bare.freedom());
+  const bool studentised = !base.noise_known || log_p < kLogMisfit;
+  const double p_value = base.noise_known ? std::exp(log_p) : 1;
+  Screen screen(std::move(base), std::move(candidates), screen_options);
+  return {std::move(found), std::move(screen), residuals.poses, when,
+          bare.chi2(),      bare.freedom(),    p_value,         studentised};
 }
 
 Accepted Stage::accepted(const Ground& ground, const Score& score) const {

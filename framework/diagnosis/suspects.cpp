@@ -276,12 +276,12 @@ class Enumerator {
       }
       if (block.isZero(0)) continue;  // what it depends on is not recorded, or does not vary
       for (Eigen::Index a = 0; a < p; ++a) {
+        // The usual size of the correction, but no more than a plausible amount.
         double& typical = w.way.typical[a];
         if (effect.typical_angle > 0 && largest_turn[a] > 0)
-          typical = effect.typical_angle / largest_turn[a];
+          typical = std::min(typical, effect.typical_angle / largest_turn[a]);
         if (effect.typical_length > 0 && largest_shift[a] > 0)
-          typical = std::min(largest_turn[a] > 0 ? typical : 1e300,
-                             effect.typical_length / largest_shift[a]);
+          typical = std::min(typical, effect.typical_length / largest_shift[a]);
         c.typical[next + a] = typical;
       }
       Form form;

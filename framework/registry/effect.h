@@ -136,7 +136,8 @@ struct EffectTraits {
   bool everywhere = false;
   bool unknown = false;   // a curve of no known cause
   bool at_joint = false;  // corrects a reading, but is called by the joint where that is an angle
-  // Usual size of the correction itself (mm, rad), where that is better known than the amounts'.
+  // Usual size of the correction itself (mm, rad), where that is better known than the amounts';
+  // their typical values are then the largest plausible ones.
   double typical_length = 0, typical_angle = 0;
 };
 

@@ -11,7 +11,7 @@ struct JointCompliance {
     return effect("joint_compliance", Acts::coordinate,
                   "torsion spring about the joint's axis: compliance times its static moment")
         .on(angle)
-        .amount("compliance", angle / torque, 1e-3 * deg / 1e6, "angle per moment")
+        .amount("compliance", angle / torque, 1 * deg / 1e6, "angle per moment")
         .usual_size(0, 0.03 * deg)
         .shown(renamed("compliance", "compliance", "deg/(N*m)"))
         .needs(Covariate::load)
@@ -29,7 +29,7 @@ struct BearingTiltCompliance {
   static Declaration declaration() {
     return effect("bearing_tilt_compliance", Acts::axis,
                   "bearings tilt: compliance times the static moment across the axis")
-        .amount("compliance", angle / torque, 1e-3 * deg / 1e6, "angle per moment")
+        .amount("compliance", angle / torque, 1 * deg / 1e6, "angle per moment")
         .usual_size(0, 0.03 * deg)
         .shown(renamed("compliance", "compliance", "deg/(N*m)"))
         .needs(Covariate::load);
