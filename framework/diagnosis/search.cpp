@@ -163,7 +163,7 @@ class Searcher {
       double own = -std::numeric_limits<double>::infinity();
       for (const Alternative& a : tried)
         if (same_place(a.effect, result_.best.effects[i].suspect)) own = std::max(own, a.evidence);
-      if (tried[0].evidence > own + kSwap && best_trial_.cost2 < result_.best.cost2 - 6) {
+      if (tried[0].evidence > own + kSwap) {
         result_.best = best_trial_;
         std::rotate(result_.best.effects.begin() + static_cast<long>(i),
                     result_.best.effects.end() - 1, result_.best.effects.end());
