@@ -40,8 +40,8 @@ double Screen::Inside::log_bayes(const Test& test, const VectorXd& z, double chi
   return top + std::log(sum);
 }
 
-double Screen::Inside::log_p(double explained, int directions, double chi2_of_rows) const {
-  if (directions == 0) return 0;
+double Screen::Inside::log_p(double explained, double directions, double chi2_of_rows) const {
+  if (!(directions > 0)) return 0;
   if (noise_known) return log_chi2_tail(explained, directions);
   const double others = freedom - directions;
   if (!(others > 0)) return 0;
