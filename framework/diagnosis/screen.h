@@ -71,6 +71,12 @@ struct SuspectScore {
   Score best;            // the form with the largest Bayes factor
 };
 
+// A pose all of whose rows are freed, as if it were wrong.
+struct PoseScore {
+  int pose = -1;
+  double gain = 0, freedom = 0, log_p = 0;
+};
+
 // Is the best of so many candidates better than chance makes the best of them? By parametric
 // bootstrap for these very poses, over all forms and change points together.
 struct Gate {
@@ -123,6 +129,7 @@ class Screen {
   Score score(const Pick& pick) const;
   std::vector<Score> scores() const;           // of each form
   std::vector<SuspectScore> suspects() const;  // best first
+  std::vector<PoseScore> poses() const;        // of each recorded one, in order
   Gate gate(const GateOptions& options = {}) const;
 
   // What every form (at the change point that suits it best) leaves of the signal that the
