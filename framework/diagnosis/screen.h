@@ -29,7 +29,8 @@ struct Baseline {
   std::vector<int> when;    // of each pose: its place in time, from 0 on; empty: as numbered. Poses
                             // of one place are not parted by a change point.
   bool noise_known = true;  // rows have unit variance; otherwise all have the same unknown one
-  double taken = 0;  // rows' worth of freedom already taken by unknowns that were projected out
+  double taken = 0;  // rows' worth of freedom that is not in the rows: taken by unknowns already
+                     // projected out, or rows that depend on others
 };
 
 // One way in which a suspect could be at work: an order, a driver, a covariate.
@@ -76,7 +77,6 @@ struct Gate {
   bool open = false;         // family_p <= alpha
   double family_p = 1;       // of the best candidate, all tries taken into account
   double log_p = 0;          // smallest of all
-  double log_bayes = 0;      // largest of all suspects
   Pick best;                 // the one of the smallest p
   double threshold = 0;      // of log_p, at alpha; where nothing was drawn, as if tests were apart
   int tests = 0, draws = 0;  // draws are 0 where the answer was clear without
@@ -127,6 +127,8 @@ class Screen {
   // What every form (at the change point that suits it best) leaves of the signal that the
   // candidate makes with these amounts; in the order of the forms.
   std::vector<Rival> rivals(const Pick& of, const Eigen::VectorXd& amounts) const;
+  // The same for the signals of typical size, averaged over the directions of the amounts.
+  std::vector<std::vector<Rival>> rivals(const std::vector<Pick>& of) const;
   // Candidates that no recording of these poses tells apart: all members of a class span the same
   // space once the geometry is projected out (smallest cosine above the given one). Indices into
   // `picks`; those that cannot be seen are in no class.
@@ -135,8 +137,11 @@ class Screen {
   // The signal's columns, projected and in units of the typical amounts: X~ D.
   Eigen::MatrixXd signal(const Pick& pick) const;
 
+ public:
+  struct Inside;  // of the implementation
+  const Inside& inside() const { return *in_; }
+
  private:
-  struct Inside;
   std::unique_ptr<Inside> in_;
 };
 
