@@ -1,0 +1,48 @@
+// What a problem says pose by pose stands in the order of the recorded rows, however they were
+// given and whatever groups they belong to.
+#include <doctest/doctest.h>
+
+#include "framework/calibration/problem.h"
+#include "tests/support/models.h"
+
+using namespace talus;
+using namespace talus::testing;
+
+TEST_CASE("the linear form goes by recorded rows") {
+  Model model = model_of(shipped("arm-6r/model.xml"));
+  Recordings recordings = recorded(program_of(model), 40, 1);
+  std::vector<double> sessions;
+  for (std::size_t k = 0; k < recordings.rows(); ++k) sessions.push_back(k % 3 == 1);
+  add_column(recordings, "session", sessions);
+  Element shift;
+  shift.tag = "unknown";
+  for (const auto& [name, text] : std::map<std::string, std::string>{
+           {"name", "shift"}, {"value", "0 ± 1"}, {"kind", "length"}, {"per", "session"}})
+    shift.set(name, text);
+  for (const bool grouped : {false, true}) {
+    CAPTURE(grouped);
+    if (grouped) {
+      model.root.children.insert(model.root.children.begin(), shift);
+      set(model, "tool.z", "180 mm + shift");
+    }
+    const Program program = program_of(model);
+    std::vector<std::size_t> rows = all_rows(recordings);
+    std::reverse(rows.begin(), rows.end());
+    Problem problem(program, recordings, rows, Groups(program, recordings), {});
+    std::vector<double> x = problem.start();
+    x[0] += 0.5;
+    const Problem::Linear linear = problem.linear(x);
+    const Problem::Residuals residuals = problem.residuals(x);
+    const int m = problem.rows();
+    for (int k = 0; k < 40; ++k) {
+      CHECK(linear.pose[k * m] == k);
+      CHECK((linear.rows.segment(k * m, m) - residuals.whitened.row(k).transpose()).norm() == 0);
+      // A pose has a column of its own session alone.
+      if (grouped)
+        for (int i = 0; i < 2; ++i) {
+          const bool own = problem.groups().shared[0].instance[residuals.poses[k]] == i;
+          CHECK((linear.columns.col(problem.size() - 2 + i).segment(k * m, m).norm() > 0) == own);
+        }
+    }
+  }
+}
