@@ -141,7 +141,7 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
     }
     return found;
   };
-  std::vector<double> x = problem.start();
+  std::vector<double> x = options.start.empty() ? problem.start() : options.start;
   problem.set_qr(options.solver == FitOptions::Solver::qr);
   if (options.solver == FitOptions::Solver::qr && !problem.qr())
     fit.warnings.push_back(

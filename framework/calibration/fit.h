@@ -18,6 +18,7 @@ struct FitOptions {
   int max_iterations = 200;
   int restarts = 4;  // from starts scattered over the tolerances
   std::uint64_t seed = 1;
+  std::vector<double> start;  // instead of the nominal values; parameters, then shared unknowns
   enum class Solver { automatic, gram, qr } solver = Solver::automatic;
 };
 
