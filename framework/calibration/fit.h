@@ -61,6 +61,8 @@ struct Fit {
   std::string stopped;
   std::string solver;                 // "gram" or "qr"
   std::vector<std::string> warnings;  // whole sentences
+  std::string better_start, twin;     // of these, that a scattered start found a better minimum,
+                                      // and that another set of parameters fits as well
   Problem::Residuals residuals_fit, residuals_check;
 };
 
