@@ -9,6 +9,8 @@
 #include <functional>
 
 #include "framework/diagnosis/evidence.h"
+#include "framework/diagnosis/noise.h"
+#include "framework/diagnosis/outliers.h"
 #include "framework/diagnosis/search.h"
 #include "framework/diagnosis/shown.h"
 
@@ -44,6 +46,10 @@ struct Diagnosis {
   Fit baseline, after;  // after is that of the extended model; the baseline where nothing was found
   std::shared_ptr<const Program> program, program_after;
   Model extended_model;  // as it was given, where nothing was found
+  std::vector<Fault> faults;
+  Outliers outliers;
+  std::optional<Fit> clean;  // the baseline without faults and blunders, where there were any
+  NoiseVerdict noise;        // of what is left after all
   HeldOut heldout;
   Search search;
   std::vector<std::string> warnings;

@@ -49,7 +49,12 @@ std::string diagnosis_json(const Diagnosis& d, const ReportContext& context,
   out["hints"] = Json::array();
   for (const Finding& f : d.hints) out["hints"].push_back(json_of(f));
   out["outliers"] = Json::array();
+  for (const Outlier& o : d.outliers.found) out["outliers"].push_back(o.pose);
   out["faults"] = Json::array();
+  for (const Fault& f : d.faults)
+    out["faults"].push_back(
+        {{"kind", f.kind}, {"where", f.where}, {"statement", f.statement}, {"poses", f.poses}});
+  if (d.clean) out["baseline_clean"] = json_of(*d.clean, units);
   out["sensitivity"] = Json::array();
   out["heldout"] = {{"poses", d.heldout.poses},
                     {"before", value(d.heldout.before)},
