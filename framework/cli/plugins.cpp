@@ -3,7 +3,6 @@
 #include <memory>
 
 #include "framework/cli/commands.h"
-#include "framework/model/quantity.h"
 
 namespace talus {
 namespace {
@@ -34,10 +33,13 @@ std::string describe_plugin(const Plugin& plugin) {
                        units.of(d.value).text);
   for (const Input& i : d.inputs) {
     if (i.role == Role::borrowed) continue;
-    const std::string otherwise = i.coordinate ? "coordinate"
-                                  : i.required
-                                      ? "required"
-                                      : shortest(i.otherwise / units.of(i.dimension).factor);
+    if (d.effect.unknown && i.role == Role::amount && &i != &d.inputs[0] &&
+        (&i + 1)->role == Role::amount)
+      continue;  // of a curve's many heights, the first and the last
+    const std::string otherwise =
+        i.coordinate ? "coordinate"
+        : i.required ? "required"
+                     : fmt::format("{:.12g}", i.otherwise / units.of(i.dimension).factor);
     out +=
         fmt::format("  {:<12} {:<10} {:<10} {}", i.name, unit_text(i, units), otherwise, i.meaning);
     if (i.role == Role::amount && !i.relative)
