@@ -66,6 +66,7 @@ Screen::Screen(Baseline baseline, Candidates candidates, const ScreenOptions& op
   in_->noise_known = baseline.noise_known;
   in_->taken = baseline.taken;
   in_->place = places(baseline, data, in_->order);
+  for (const int r : in_->order) in_->pose.push_back(baseline.pose[r]);
   std::vector<int> all = in_->order;
   for (Index r = data; r < rows; ++r) all.push_back(static_cast<int>(r));
   const bool sorted = std::is_sorted(all.begin(), all.end());

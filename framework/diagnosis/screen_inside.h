@@ -23,6 +23,7 @@ struct Screen::Inside {
   ScreenOptions options;
   Candidates candidates;   // rows in the order of time
   std::vector<int> order;  // the caller's number of each of these rows
+  std::vector<int> pose;   // of each of these rows
   std::vector<int> place;  // first row of each place in time, and the end
   Eigen::VectorXd rest;    // w projected; the priors' rows stand last, as in Q
   Eigen::MatrixXd Q;
@@ -49,7 +50,7 @@ struct Screen::Inside {
   template <class F>
   void each(const Eigen::Ref<const Eigen::MatrixXd>& y, F f) const;
   double log_bayes(const Test& test, const Eigen::VectorXd& z, double chi2_of_rows) const;
-  double log_p(double explained, int directions, double chi2_of_rows, bool known) const;
+  double log_p(double explained, double directions, double chi2_of_rows, bool known) const;
   Score score(const Test& test, const Eigen::VectorXd& b) const;
 };
 

@@ -40,9 +40,9 @@ double Screen::Inside::log_bayes(const Test& test, const VectorXd& z, double chi
   return top + std::log(sum);
 }
 
-double Screen::Inside::log_p(double explained, int directions, double chi2_of_rows,
+double Screen::Inside::log_p(double explained, double directions, double chi2_of_rows,
                              bool known) const {
-  if (directions == 0) return 0;
+  if (!(directions > 0)) return 0;
   if (known) return log_chi2_tail(explained, directions);
   const double others = freedom - directions;
   if (!(others > 0)) return 0;
@@ -58,6 +58,7 @@ Score Screen::Inside::score(const Test& t, const VectorXd& b) const {
   s.freedom = t.freedom;
   s.visible = t.visible;
   s.log_bayes = log_bayes(t, z, chi2);
+  s.all = z.squaredNorm();
   const double explained = seen.squaredNorm();
   s.log_p = log_p(explained, t.freedom, chi2, noise_known);
   const double left =

@@ -76,16 +76,13 @@ Expr Compiler::covariate(const std::string& column, Dimension dimension, const P
 // Is a covariate to be had at a place? Without fields the model says what it needs.
 bool Compiler::known(Covariate c, const EffectPlace& place) const {
   if (!recorded_) return true;
-  std::string column;
-  for (const Reading& r : program_.readings)
-    if (r.sensor == place.location) column = r.column;
   switch (c) {
     case Covariate::approach:
       return !place.joint.empty() && recorded_("approach_" + place.joint);
     case Covariate::rate:
-      return place.acts == Acts::reading && recorded_("time");
+      return place.acts == Acts::reading && recorded_("time") && recorded_(place.column);
     case Covariate::travel:
-      return place.acts == Acts::reading;
+      return place.acts == Acts::reading && recorded_(place.column);
     case Covariate::since:
       return recorded_("time");
     case Covariate::load:
@@ -100,9 +97,6 @@ bool Compiler::known(Covariate c, const EffectPlace& place) const {
 
 void Compiler::know(Covariate c, EffectPlace& place, const Place& where) {
   Around<Expr>& a = place.around;
-  std::string column = place.location;
-  for (const Reading& r : program_.readings)
-    if (r.sensor == place.location) column = r.column;
   auto load = [&](const std::string& part, Dimension d) {
     return covariate("load:" + place.joint + "." + part, d, where);
   };
@@ -126,10 +120,10 @@ void Compiler::know(Covariate c, EffectPlace& place, const Place& where) {
       a.temperature = covariate("temperature", temperature, where);
       break;
     case Covariate::rate:
-      a.rate = covariate("rate:" + column, place.dimension / duration, where);
+      a.rate = covariate("rate:" + place.column, place.dimension / duration, where);
       break;
     case Covariate::travel:
-      a.travel = covariate("travel:" + column, place.dimension, where);
+      a.travel = covariate("travel:" + place.column, place.dimension, where);
       break;
     case Covariate::since:
       a.since = covariate("since", duration, where);

@@ -225,6 +225,7 @@ void Compiler::sensor(const Element& element) {
   const std::vector<Expr> own = inputs(element, d);
   EffectPlace at{Acts::reading, element.name(), d.reading};
   at.around.reading = leaf(reading.slot);
+  at.column = reading.column;
   at.joint = joint_of(element.name());
   for (std::size_t i = 0; i < own.size(); ++i) at.inputs[d.inputs[i].name] = own[i];
   const std::size_t index = program_.readings.size();  // circumstances of its effects follow it

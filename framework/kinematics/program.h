@@ -72,6 +72,7 @@ struct EffectPlace {
   Around<Expr> around;                 // what is not known is 0
   std::vector<Covariate> known;        // what is
   std::map<std::string, Expr> inputs;  // of the sensor
+  std::string column;                  // of the reading
   std::string joint;                   // whose coordinate it is, or whose axis or link
   int feature = -1;
   int first_field = -1;  // index among the parameters; parts_of(acts) of them

@@ -107,6 +107,22 @@ TEST_CASE("the Bayes factor is the ratio of the two densities of the rows") {
       CHECK(screen.score({form, -1}).log_bayes == doctest::Approx(expected));
     }
   }
+  // The noise unknown: its scale integrated out, the typical amounts in units of what is left.
+  Chain loud = c;
+  loud.baseline.noise_known = false;
+  loud.baseline.rows *= 2;
+  const Screen unknown(loud.baseline, loud.candidates, {.scales = {3}});
+  const VectorXd left = rest * loud.baseline.rows;
+  CHECK(unknown.chi2() == doctest::Approx(left.squaredNorm()));
+  for (const int form : {0, 1, 26}) {
+    const MatrixXd X = rest * columns_of(c, {form, -1}) *
+                       c.candidates.typical(c.candidates.forms[form].columns).asDiagonal() * 3 /
+                       std::sqrt(left.squaredNorm() / 42);
+    const Eigen::LLT<MatrixXd> factor(MatrixXd(MatrixXd::Identity(42, 42) + X * X.transpose()));
+    const double expected = -MatrixXd(factor.matrixL()).diagonal().array().log().sum() -
+                            21 * std::log(left.dot(factor.solve(left)) / left.squaredNorm());
+    CHECK(unknown.score({form, -1}).log_bayes == doctest::Approx(expected));
+  }
   const Screen mixture(c.baseline, c.candidates);
   double sum = 0;
   for (const double scale : {0.3, 1.0, 3.0, 10.0})
@@ -191,6 +207,49 @@ TEST_CASE("tolerances count as rows; what was accepted is gone") {
   CHECK(screen.score(first).freedom == 0);
   CHECK(screen.score(first).gain == 0);
   CHECK(screen.score(second).gain == doctest::Approx(with_first - with_both));
+}
+
+TEST_CASE("a suspect's Bayes factor is the weighted mean over its forms") {
+  Chain c = chain(30, 0.8, 15);
+  suspect_all(c);
+  for (std::size_t f = 2; f < 18; ++f) c.candidates.forms[f].weight = f < 10 ? 2.0 : 0.5;
+  const Screen screen(c.baseline, c.candidates);
+  double sum = 0, weight = 0;
+  Pick best;
+  double most = -INFINITY;
+  for (int f = 2; f < 18; ++f) {
+    const double log = screen.score({f, -1}).log_bayes;
+    sum += c.candidates.forms[f].weight * std::exp(log);
+    weight += c.candidates.forms[f].weight;
+    if (log > most) most = log, best = {f, -1};
+  }
+  const auto suspects = screen.suspects();
+  const auto two = std::find_if(suspects.begin(), suspects.end(),
+                                [](const SuspectScore& s) { return s.suspect == 2; });
+  REQUIRE(two != suspects.end());
+  CHECK(two->log_bayes == doctest::Approx(std::log(sum / weight)));
+  CHECK(two->best.pick == best);
+  CHECK(std::is_sorted(suspects.begin(), suspects.end(),
+                       [](const auto& a, const auto& b) { return a.log_bayes > b.log_bayes; }));
+}
+
+TEST_CASE("a wrong pose is the one that stands out, by what leaving it out would gain") {
+  Chain c = chain(25, 0.8, 17);
+  suspect_all(c);
+  c.baseline.rows.segment<6>(6 * 11) += noise(6, 18, 8);
+  const Screen screen(c.baseline, c.candidates);
+  const auto poses = screen.poses();
+  REQUIRE(poses.size() == 25);
+  for (const int k : {3, 11}) {
+    MatrixXd freed = MatrixXd::Zero(150, 6);
+    freed.middleRows<6>(6 * k).setIdentity();
+    const double gain = left_by(c.baseline.columns, c.baseline.rows).squaredNorm() -
+                        left_by(beside(c.baseline.columns, freed), c.baseline.rows).squaredNorm();
+    CHECK(poses[k].pose == k);
+    CHECK(poses[k].gain == doctest::Approx(gain).epsilon(1e-5));
+    CHECK(poses[k].log_p == doctest::Approx(log_chi2_tail(gain, 6)).epsilon(1e-5));
+  }
+  for (const PoseScore& p : poses) CHECK((p.pose == 11 || p.log_p > poses[11].log_p + 10));
 }
 
 TEST_CASE("the true suspect comes first; a wrong typical size hardly matters") {

@@ -26,7 +26,7 @@ TEST_CASE("an effect of the smallest visible magnitude is seen in 80 of 100 reco
     int seen = 0;
     for (int run = 0; run < 200; ++run) {
       std::mt19937_64 random(run);
-      const double phase = std::uniform_real_distribution<double>(0, 2 * M_PI)(random);
+      const double phase = std::uniform_real_distribution<double>(0, 2 * std::numbers::pi)(random);
       VectorXd u = VectorXd::Constant(1, 1);
       if (columns.size() == 2) u = Eigen::Vector2d(std::cos(phase), std::sin(phase));
       Chain recorded = c;

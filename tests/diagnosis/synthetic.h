@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <functional>
+#include <numbers>
 #include <random>
 
 #include "framework/diagnosis/screen.h"
@@ -89,7 +90,7 @@ inline void suspect_all(Chain& c) {
     return [&c, i, order, phase](int k) { return std::cos(order * c.theta(k, i) - phase); };
   };
   auto& forms = c.candidates.forms;
-  const double half = M_PI / 2;
+  const double half = std::numbers::pi / 2;
   for (int i = 0; i < c.joints; ++i) {
     for (const double order : {1.0, 2.0})
       forms.push_back({.suspect = suspect++,
