@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "framework/calibration/circumstances.h"
 #include "framework/cli/commands.h"
 #include "framework/dsl/dsl.h"
 #include "framework/report/diagnosis_report.h"
@@ -36,7 +37,7 @@ void run(Options& o) {
   const Model model = open_model(o.model, registry, o.common);
   const Program program = compile(model, registry);
   const Measured measured = open_recordings(program, o.recordings, o.points);
-  const Recordings& recordings = measured.recordings;
+  const Recordings recordings = with_derived(program, measured.recordings);
   const Split split =
       split_rows(recordings, split_options(program, recordings, o.check, o.groups, o.common.seed));
   for (const std::string& tag : o.only)

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "framework/report/diagnosis_report.h"
 
 namespace talus {
@@ -10,7 +12,9 @@ std::string diagnosis_text(const Diagnosis& d, const std::string& extended_model
     out += fmt::format("\n{}: {} at {}, probability {:.2f}, {:.3g} sigmas a pose\n", kind, f.effect,
                        f.location, f.probability, f.sigmas);
     for (const ShownValue& v : f.parameters)
-      out += fmt::format("  {:<12} {:>12.5g} ± {:.2g} {}\n", v.name, v.value, v.std, v.unit);
+      out += fmt::format("  {:<12} {:>12.5g}{} {}\n", v.name, v.value,
+                         std::isfinite(v.std) ? fmt::format(" ± {:.2g}", v.std) : "",
+                         v.unit == "1" ? "" : v.unit);
     for (const NamedRival& r : f.rivals)
       out += fmt::format("  or {} at {}: {:.4f}\n", r.effect, r.location, r.probability);
   };
