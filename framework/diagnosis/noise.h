@@ -7,12 +7,15 @@
 //   as
 //     of Student's t with so many degrees of freedom;
 //   * white: neighbours in the order of recording, in every reading, column and coordinate do not
-//     resemble each other; where they do, something was left out or the noise is correlated;
+//     resemble each other, neither in their rows as a whole nor in what these say of the error of
+//     any one reading or measured row; where they do, something was left out or the noise is
+//     correlated;
 //   * even: the size of the misfit does not depend on any of these either;
 //   * sources: the covariance of the rows is a sum over readings and measured rows,
 //     C_k = sum_g gamma_g V_gk with gamma = 1 as stated. One source that is noisier than the others
 //     is found by its score and estimated by maximum likelihood.
-// Whether physics explains what is not white is another question.
+// Whether physics explains what is not white is another question; tails and sizes are judged only
+// of what is.
 #pragma once
 
 #include <optional>
@@ -33,7 +36,8 @@ struct NoiseVerdict {
   std::optional<double> student;  // degrees of freedom of tails as heavy
   double p_white = 1;             // the least white order of all, their number taken into account
   std::string unwhite;            // in which order, where it is beyond doubt
-  double correlation = 0;         // of neighbours in the order of recording
+  std::string channel;  // and in which sensor's or measure's error; empty: in the rows as a whole
+  double correlation = 0;  // of neighbours in the order of recording
   double p_even = 1;
   std::string uneven;
   struct Source {
