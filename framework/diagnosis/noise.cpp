@@ -222,7 +222,7 @@ NoiseVerdict judge_noise(const Program& program, const Recordings& recordings,
     for (Pose& p : poses) of_poses.push_back(std::move(p.rows));
     if (white) v.source = noisier_source(noise, of_poses);
   } else {
-    v.p = 1;
+    v.p = v.scale = 1;
   }
   // What is not noise, or noise of different sizes, has heavy tails as well.
   if (!v.unwhite.empty() || v.source) {

@@ -3,9 +3,8 @@
 // With d_k^2 the deletion residuals of the poses (outliers.h), chi-square distributed with f_k
 // degrees of freedom where the stated noise is right:
 //   * scale: sqrt(chi-square / degrees of freedom), 1 as stated;
-//   * tails: d_k^4 has the mean f_k (f_k + 2) for Gaussian noise (Mardia); more of it means tails,
-//   as
-//     of Student's t with so many degrees of freedom;
+//   * tails: d_k^4 has the mean f_k (f_k + 2) for Gaussian noise (Mardia); where it is larger, tails
+//     are heavy, as of Student's t with so many degrees of freedom;
 //   * white: neighbours in the order of recording, in every reading, column and coordinate do not
 //     resemble each other, neither in their rows as a whole nor in what these say of the error of
 //     any one reading or measured row; where they do, something was left out or the noise is
@@ -14,8 +13,8 @@
 //   * sources: the covariance of the rows is a sum over readings and measured rows,
 //     C_k = sum_g gamma_g V_gk with gamma = 1 as stated. One source that is noisier than the others
 //     is found by its score and estimated by maximum likelihood.
-// Whether physics explains what is not white is another question; tails and sizes are judged only
-// of what is.
+// Physics is to be looked for first: over few poses, or spread over many coordinates, it can look
+// like white noise. Tails and sizes are judged only of what is white.
 #pragma once
 
 #include <optional>
@@ -28,7 +27,7 @@
 namespace talus {
 
 struct NoiseVerdict {
-  double scale = 1;  // of the noise, over the stated one
+  double scale = 1;  // of the noise, over the stated one; 1 where none is stated
   double p = 1;      // that chi-square is as large (or, where scale < 1, as small) by chance
   bool larger = false, smaller = false;  // than stated, beyond doubt; of white residuals
   double kurtosis = 3;                   // 3: Gaussian

@@ -14,7 +14,7 @@ constexpr double surely = 1e-5;
 // Less than this is not worth a word.
 constexpr double noticeable = 1.3;
 // Information on a source's share (in units of its log variance) below which nothing can be told.
-constexpr double least_information = 2;
+constexpr double least_information = 0.2;
 constexpr std::size_t most_tried = 4;
 // Standard deviations of the fourth power's sum by which tails are heavy even so.
 constexpr double still_heavy = 4;

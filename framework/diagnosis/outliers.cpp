@@ -25,6 +25,8 @@ constexpr double upper_share = 0.8;
 // What the bulk has beyond its noise is physics, whose largest values lie farther out than those of
 // noise (at the ends of ranges, where few other poses tell): so many times as far is still bulk.
 constexpr double room = 2;
+// Of a pose held out still more: what physics does beyond the poses fitted, these do not tell.
+constexpr double room_held_out = 3;
 // Neighbours are elevated where their median exceeds the median of all by so much: of six good
 // poses with three rows each, less than one time in a hundred.
 constexpr double elevated = 1.7;
@@ -174,12 +176,14 @@ Judged Search::judge(const std::vector<bool>& in) const {
   j.scale = median(to_middle);
   const auto decile = to_decile.begin() + static_cast<long>(upper_share * to_decile.size());
   std::nth_element(to_decile.begin(), decile, to_decile.end());
-  double unit = std::max(j.scale, *decile);
-  if (noise_known_) unit = std::sqrt(1 + room * room * std::max(0.0, unit * unit - 1));
+  const double bulk = std::max(j.scale, *decile);
+  auto unit = [&](double times) {
+    return noise_known_ ? std::sqrt(1 + times * times * std::max(0.0, bulk * bulk - 1)) : bulk;
+  };
   for (int k = 0; k < n; ++k) {
     const double f = blocks_.freedom(k);
     if (!(f > 0)) continue;
-    double limit = unit * std::sqrt(limit_.at(f));
+    double limit = unit(fitted_[k] ? room : room_held_out) * std::sqrt(limit_.at(f));
     if (j.distance[k] <= limit) continue;
     const double level = neighbours_.level(misfit, k, elevated) * std::sqrt(middle_.at(f));
     limit = std::max(limit, alone * level);

@@ -140,3 +140,16 @@ TEST_CASE("the search depends on the seed alone, not on threads") {
   CHECK(one.scale == four.scale);
   CHECK(rows_of(one) == rows_of(four));
 }
+
+TEST_CASE("a model without free parameters, and one without stated noise") {
+  const Recordings published = read_recordings(shipped("isl-bonny-2013/recordings.csv"));
+  Simulated s{program_of(shipped("isl-bonny-2013/published.xml")), published,
+              random_split(published, 1)};
+  CHECK(found_in(s).found.empty());
+  Model model = model_of(shipped("arm-6r/model.xml"));
+  set_calibrate(model, "weight", "1");
+  s = simulated(arm(), 12);
+  s.program = program_of(model);
+  const Rows bad = blunder(s.recordings, {7, 8, 60, 133}, 2);
+  CHECK(rows_of(found_in(s)) == bad);
+}
