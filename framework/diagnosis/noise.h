@@ -3,8 +3,8 @@
 // With d_k^2 the deletion residuals of the poses (outliers.h), chi-square distributed with f_k
 // degrees of freedom where the stated noise is right:
 //   * scale: sqrt(chi-square / degrees of freedom), 1 as stated;
-//   * tails: d_k^4 has the mean f_k (f_k + 2) for Gaussian noise (Mardia); where it is larger, tails
-//     are heavy, as of Student's t with so many degrees of freedom;
+//   * tails: d_k^4 has the mean f_k (f_k + 2) for Gaussian noise (Mardia); where it is larger,
+//     tails are heavy, as of Student's t with so many degrees of freedom;
 //   * white: neighbours in the order of recording, in every reading, column and coordinate do not
 //     resemble each other, neither in their rows as a whole nor in what these say of the error of
 //     any one reading or measured row; where they do, something was left out or the noise is
