@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "framework/diagnosis/corrections.h"
-#include "framework/diagnosis/trials.h"
+#include "framework/diagnosis/fault_trials.h"
 
 namespace talus {
 namespace {
@@ -41,11 +41,11 @@ constexpr int shifts = 3, pieces = 8;
 struct Candidate {
   std::vector<Correction> corrections;
   Recordings recordings;
-  Trial trial;
+  FaultTrial trial;
 };
 
 // Nearer to what noise leaves.
-double badness(const Trial& trial) { return std::abs(std::log(std::max(trial.left, 1e-300))); }
+double badness(const FaultTrial& trial) { return std::abs(std::log(std::max(trial.left, 1e-300))); }
 bool better(const Candidate& a, const Candidate& b) { return badness(a.trial) < badness(b.trial); }
 
 // Measurements made smaller by a factor f leave residuals that are smaller by f even if nothing was
@@ -61,25 +61,25 @@ double shrinks(const std::vector<Correction>& corrections) {
 
 class Search {
  public:
-  Search(const Program& program, Trials& trials, bool noise_known)
+  Search(const Program& program, FaultTrials& trials, bool noise_known)
       : program_(program), trials_(trials), noise_known_(noise_known) {}
 
   // The best correction of one fault, then of two; none where nothing mends the misfit.
-  std::vector<Candidate> mend(const Recordings& recordings, const Trial& before);
+  std::vector<Candidate> mend(const Recordings& recordings, const FaultTrial& before);
 
  private:
-  bool decides(const Candidate& after, const Trial& before) const;
+  bool decides(const Candidate& after, const FaultTrial& before) const;
   std::vector<Candidate> one_more(const Candidate& to);
-  std::vector<Candidate> finish(std::vector<Candidate> all, const Trial& before);
+  std::vector<Candidate> finish(std::vector<Candidate> all, const FaultTrial& before);
   void place_shift(Candidate& candidate, const Recordings& before);
 
   const Program& program_;
-  Trials& trials_;
+  FaultTrials& trials_;
   const bool noise_known_;
 };
 
-bool Search::decides(const Candidate& candidate, const Trial& before) const {
-  const Trial& after = candidate.trial;
+bool Search::decides(const Candidate& candidate, const FaultTrial& before) const {
+  const FaultTrial& after = candidate.trial;
   if (!std::isfinite(after.left) || after.share > explained) return false;
   const bool geometry_returns = before.prior > far * far && after.prior < falls_to * before.prior;
   const double shrunk = geometry_returns ? 1 : std::pow(shrinks(candidate.corrections), 2);
@@ -162,7 +162,7 @@ void Search::place_shift(Candidate& candidate, const Recordings& before) {
 }
 
 // Full fits; those that decide, best first.
-std::vector<Candidate> Search::finish(std::vector<Candidate> all, const Trial& before) {
+std::vector<Candidate> Search::finish(std::vector<Candidate> all, const FaultTrial& before) {
   std::vector<Candidate> result;
   for (Candidate& c : all) {
     c.trial = trials_.full(c.recordings);
@@ -175,7 +175,7 @@ std::vector<Candidate> Search::finish(std::vector<Candidate> all, const Trial& b
   return result;
 }
 
-std::vector<Candidate> Search::mend(const Recordings& recordings, const Trial& before) {
+std::vector<Candidate> Search::mend(const Recordings& recordings, const FaultTrial& before) {
   Candidate none{{}, recordings, trials_.quick(recordings)};
   std::vector<Candidate> single = one_more(none);
   for (Candidate& c : single)
@@ -204,7 +204,7 @@ std::vector<Candidate> Search::mend(const Recordings& recordings, const Trial& b
 }
 
 // What the correction gains, in words.
-std::string gain(const Trial& before, const Trial& after) {
+std::string gain(const FaultTrial& before, const FaultTrial& after) {
   if (!std::isfinite(before.left))
     return "As recorded, the model cannot be evaluated; corrected, it can";
   if (before.rows > as_well * after.rows)
@@ -245,13 +245,13 @@ Faults find_faults(const Program& program, const Recordings& recordings, const S
   result.found = std::move(rows);
   if (looks) {
     const bool noise_known = !fit || fit->noise_known;
-    Trials trials(program, recordings, split.fit, options);
-    Trial before = trials.full(recordings);
+    FaultTrials trials(program, recordings, split.fit, options);
+    FaultTrial before = trials.full(recordings);
     // The calibration has had more starts.
     if (fit && 2 * fit->cost / std::max(1.0, fit->dof) < before.left && noise_known) {
       before.left = 2 * fit->cost / std::max(1.0, fit->dof);
       before.rows = fit->chi2 / std::max(1.0, fit->dof);
-      before.prior = prior(trials.problem(recordings), fit->x);
+      before.prior = prior_squares(trials.problem(recordings), fit->x);
     }
     result.before = before.left;
     for (int n = 0; n < most_faults;) {

@@ -12,7 +12,7 @@
 namespace talus {
 
 // What a fit leaves; infinite where the model has no value.
-struct Trial {
+struct FaultTrial {
   double left = std::numeric_limits<double>::infinity();   // twice the cost ...
   double rows = std::numeric_limits<double>::infinity();   // ... the rows' share of it, per degree
   double prior = std::numeric_limits<double>::infinity();  // and the priors', in all
@@ -21,23 +21,23 @@ struct Trial {
 };
 
 // The squares of the distances from nominal, in tolerances.
-double prior(const Problem& problem, const std::vector<double>& x);
+double prior_squares(const Problem& problem, const std::vector<double>& x);
 
-class Trials {
+class FaultTrials {
  public:
   // rows: those to fit.
-  Trials(const Program& program, const Recordings& recordings, std::vector<std::size_t> rows,
-         const FaultOptions& options);
+  FaultTrials(const Program& program, const Recordings& recordings, std::vector<std::size_t> rows,
+              const FaultOptions& options);
 
-  Trial quick(const Recordings& r) { return of(r, few_, 12, false); }
-  Trial full(const Recordings& r) { return of(r, rows_, 60, true); }
+  FaultTrial quick(const Recordings& r) { return of(r, few_, 12, false); }
+  FaultTrial full(const Recordings& r) { return of(r, rows_, 60, true); }
   Problem problem(const Recordings& r) const { return problem(r, rows_); }  // of all rows
   int count = 0;
 
  private:
   Problem problem(const Recordings& r, const std::vector<std::size_t>& rows) const;
-  Trial of(const Recordings& r, const std::vector<std::size_t>& rows, int iterations,
-           bool thorough);
+  FaultTrial of(const Recordings& r, const std::vector<std::size_t>& rows, int iterations,
+                bool thorough);
 
   const Program& program_;
   std::vector<std::size_t> rows_, few_;

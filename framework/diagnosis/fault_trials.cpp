@@ -1,4 +1,4 @@
-#include "framework/diagnosis/trials.h"
+#include "framework/diagnosis/fault_trials.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +22,7 @@ double share_of_range(const Program& program, const Eigen::MatrixXd& raw, const 
 
 }  // namespace
 
-double prior(const Problem& problem, const std::vector<double>& x) {
+double prior_squares(const Problem& problem, const std::vector<double>& x) {
   double sum = 0;
   for (int i = 0; i < problem.size(); ++i)
     if (const Quantity& q = problem.quantity(i); q.tolerance)
@@ -30,8 +30,8 @@ double prior(const Problem& problem, const std::vector<double>& x) {
   return sum;
 }
 
-Trials::Trials(const Program& program, const Recordings& recordings, std::vector<std::size_t> rows,
-               const FaultOptions& options)
+FaultTrials::FaultTrials(const Program& program, const Recordings& recordings,
+                         std::vector<std::size_t> rows, const FaultOptions& options)
     : program_(program), rows_(std::move(rows)), seed_(options.seed), groups_(program, recordings) {
   plain_.threads = options.threads;
   plain_.robust = false;
@@ -40,19 +40,19 @@ Trials::Trials(const Program& program, const Recordings& recordings, std::vector
   for (std::size_t k = 0; k < rows_.size(); k += step) few_.push_back(rows_[k]);
 }
 
-Problem Trials::problem(const Recordings& r, const std::vector<std::size_t>& rows) const {
+Problem FaultTrials::problem(const Recordings& r, const std::vector<std::size_t>& rows) const {
   Problem p(program_, *plan_, r, rows, groups_, plain_);
   if (program_.settings.full_scale) p.divide_rows_by(full_scale_ranges(program_, r));
   return p;
 }
 
-Trial Trials::of(const Recordings& r, const std::vector<std::size_t>& rows, int iterations,
-                 bool thorough) {
+FaultTrial FaultTrials::of(const Recordings& r, const std::vector<std::size_t>& rows,
+                           int iterations, bool thorough) {
   ++count;
   Problem p = problem(r, rows);
   const double freedom = static_cast<double>(p.data().used()) -
                          static_cast<double>(p.latents()) * static_cast<double>(p.data().poses());
-  Trial trial;
+  FaultTrial trial;
   if (!(freedom > 0)) return trial;
   if (!p.noise_known()) {
     const double start = p.cost(p.start());
@@ -65,7 +65,7 @@ Trial Trials::of(const Recordings& r, const std::vector<std::size_t>& rows, int 
   // With priors: twice the cost of a right model is about its number of rows.
   trial.left = (p.noise_known() ? 2 * found.cost : found.chi2) / freedom;
   trial.rows = found.chi2 / freedom;
-  trial.prior = prior(p, found.x);
+  trial.prior = prior_squares(p, found.x);
   if (thorough) trial.share = share_of_range(program_, p.residuals(found.x).raw, r);
   trial.x = found.x;
   return trial;
