@@ -31,7 +31,7 @@ Simulated with_noise(const Bed& bed, std::uint64_t seed, F f) {
 
 }  // namespace
 
-// No fault in 300 runs when this was measured, one of them not white.
+// Measured on seeds that no threshold was chosen by: no fault in 400 runs, five of them not white.
 TEST_CASE("noise as stated") {
   for (const Bed& bed : beds())
     for (std::uint64_t seed : {1, 2}) {
