@@ -13,10 +13,12 @@ namespace {
 
 struct Options {
   Common common;
-  std::string model, recordings, points;
+  std::string model, recordings, points, next;
   double check = 0.3;
   std::vector<std::string> groups, only;
   DiagnosisOptions diagnosis;
+  DiagnosisTextOptions text;
+  int next_count = 8;
 };
 
 // One line on a terminal's standard error, rewritten.
@@ -32,6 +34,8 @@ void run(Options& o) {
   if (std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
     throw InputError({folder.string(), 0, 0}, "is no folder", "--out DIR");
   check_writable(o.common.json);
+  check_writable(o.next);
+  check_apart(o.next, {o.model, o.recordings});
   Registry registry = o.common.registry();
   const Model model = open_model(o.model, registry, o.common);
   const Program program = compile(model, registry);
@@ -49,9 +53,17 @@ void run(Options& o) {
   o.diagnosis.search.suspects.only = o.only;
   if (!o.common.quiet) o.diagnosis.progress = show_progress;
   const Diagnosis d = diagnose(model, registry, recordings, split, o.diagnosis);
+  AdviceOptions advice_options;
+  advice_options.suspects = o.diagnosis.search.suspects;
+  advice_options.threads = o.diagnosis.fit.threads;
+  advice_options.seed = o.common.seed;
+  advice_options.poses = o.next_count;
+  advice_options.progress = o.diagnosis.progress;
+  const Advice advice = advise(model, registry, recordings, split, d, advice_options);
   if (!o.common.quiet && isatty(2)) fmt::print(stderr, "\r\x1b[K");
 
-  std::string file;
+  DiagnosisFiles files;
+  std::string& file = files.extended_model;
   if (!d.findings.empty()) {
     Model extended = calibrated_model(d.extended_model, *d.program_after, d.after);
     std::error_code error;
@@ -65,9 +77,15 @@ void run(Options& o) {
     move_plugin_paths(extended, o.model, file);
     write_file(file, lua ? write_lua(extended) : write_xml(extended));
   }
+  if (!o.next.empty() && !advice.next.poses.empty()) {
+    put(o.next, fmt::format("# poses to record next, for {} after {}\n", o.model, o.recordings) +
+                    write_recordings(advice.next.table));
+    files.next_poses = o.next;
+  }
   const ReportContext context{"diagnose", o.model, o.recordings, &measured};
-  if (!o.common.json.empty()) put(o.common.json, diagnosis_json(d, context, file));
-  if (!o.common.quiet && o.common.json != "-") fmt::print("{}", diagnosis_text(d, file));
+  if (!o.common.json.empty()) put(o.common.json, diagnosis_json(d, advice, context, files));
+  if (!o.common.quiet && o.common.json != "-")
+    fmt::print("{}", diagnosis_text(d, advice, context, files, o.text));
   exit_code() = d.baseline.converged ? 0 : 1;
 }
 
@@ -84,6 +102,15 @@ void add_diagnose(CLI::App& app) {
   add_split(*command, o->check, o->groups);
   command->add_option("--only", o->only, "effects to consider, instead of all that are registered")
       ->delimiter(',');
+  command->add_option("--next", o->next, "table to write the poses to record next to")
+      ->type_name("FILE");
+  command->add_option("--next-count", o->next_count, "how many such poses (0: none)")
+      ->check(CLI::Range(0, 100))
+      ->capture_default_str();
+  command->add_flag("--details", o->text.details,
+                    "curves of the findings, all rivals and parameters, what each pose is for");
+  command->add_flag("--sensitivity", o->text.sensitivity,
+                    "the smallest magnitude that would have been seen, of every suspect");
   add_points(*command, o->points);
   add_common(*command, o->common, true, true);
   command->callback([o] { run(*o); });
