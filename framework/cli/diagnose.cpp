@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <filesystem>
 
 #include "framework/cli/commands.h"
@@ -21,13 +23,28 @@ struct Options {
   int next_count = 8;
 };
 
-// One line on a terminal's standard error, rewritten.
-void show_progress(const std::string& step, double share) {
-  if (!isatty(2)) return;
-  const int width = 30, filled = static_cast<int>(share * width);
-  fmt::print(stderr, "\r{:<14} [{}{}]\x1b[K", step, std::string(filled, '#'),
-             std::string(width - filled, ' '));
-}
+// One line on a terminal's standard error, rewritten: what is being done, how far it is, how long
+// the rest will take.
+class ProgressLine {
+ public:
+  void operator()(const std::string& step, double share) {
+    using Clock = std::chrono::steady_clock;
+    if (!isatty(2)) return;
+    const double gone = std::chrono::duration<double>(Clock::now() - start_).count();
+    share_ = std::clamp(share, share_, 1.0);
+    const int width = 30, filled = static_cast<int>(share_ * width);
+    std::string left;
+    if (share_ > 0.05 && gone > 1)
+      left = fmt::format(", about {:.0f} s left", gone * (1 - share_) / share_);
+    fmt::print(stderr, "\r{:<14} [{}{}] {:3.0f} %{}\x1b[K", step, std::string(filled, '#'),
+               std::string(width - filled, ' '), 100 * share_, left);
+    std::fflush(stderr);
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  double share_ = 0;
+};
 
 void run(Options& o) {
   const std::filesystem::path folder = o.common.out.empty() ? "." : o.common.out;
@@ -51,7 +68,7 @@ void run(Options& o) {
   o.diagnosis.fit.threads = o.common.thread_count();
   o.diagnosis.fit.seed = o.diagnosis.search.seed = o.common.seed;
   o.diagnosis.search.suspects.only = o.only;
-  if (!o.common.quiet) o.diagnosis.progress = show_progress;
+  if (!o.common.quiet) o.diagnosis.progress = ProgressLine();
   const Diagnosis d = diagnose(model, registry, recordings, split, o.diagnosis);
   AdviceOptions advice_options;
   advice_options.suspects = o.diagnosis.search.suspects;

@@ -104,8 +104,10 @@ class Blind {
         "A common scale error of the measured coordinates and a common factor of all lengths are "
         "the same thing";
     text += left.share < kBlind
-                ? fmt::format(": the calibrated geometry takes up {:.4g} % of it",
-                              100 * (1 - left.share * left.share))
+                ? fmt::format(": the calibrated geometry takes up {} of it",
+                              left.share < 0.02
+                                  ? "all"
+                                  : fmt::format("{:.1f} %", 100 * (1 - left.share * left.share)))
                 : fmt::format(", but for lengths that the model holds: they leave {:.2g} % of it",
                               100 * left.share * left.share);
     if (left.smallest < 0.1)
@@ -176,8 +178,9 @@ class Blind {
         "An error motion that goes round with its joint, once per turn, is a displaced or tilted "
         "axis, that is geometry";
     if (!taken.empty())
-      text += fmt::format(": at {} the calibration takes up {:.4g} % of it or more", join(taken),
-                          100 * least);
+      text += fmt::format(": the calibration takes up {} of it at {}",
+                          least > 0.9995 ? "all" : fmt::format("{:.1f} % or more", 100 * least),
+                          join(taken));
     if (!shown.empty())
       text += fmt::format("{} at {} geometry that the model holds lets some of it be seen",
                           taken.empty() ? ", but" : ";", join(shown));
@@ -213,6 +216,11 @@ class Blind {
                                   join(std::vector<std::string>(effects.begin(), effects.end()))));
     if (!words.empty())
       text += " Not known here, so that these could not be tested: " + join(words, "; ") + ".";
+    if (std::none_of(recordings_.columns.begin(), recordings_.columns.end(),
+                     [](const RecordedColumn& c) { return c.name.starts_with("approach_"); }))
+      text +=
+          " The sense in which joints were moved (approach) was not recorded, so that play shows "
+          "at most where loads close it.";
     if (program_.gravity)
       text += " Gravity has one direction in the recordings: loads vary by posture" +
               std::string(program_.payloads.empty() ? "" : " and payload") + " only.";

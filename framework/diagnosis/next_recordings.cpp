@@ -10,7 +10,7 @@
 namespace talus {
 namespace {
 
-constexpr std::size_t kMostTargets = 40;
+constexpr std::size_t kMostTargets = 100;
 constexpr double kNamedRival = 0.05;  // rivals as probable as this are to be told apart
 constexpr std::size_t kPurposes = 2;
 
@@ -260,20 +260,22 @@ class Chooser {
   }
 
   void statement() {
-    std::size_t attainable = 0;
-    for (const NextTarget& t : out_.targets) attainable += t.attainable;
-    if (out_.poses.empty()) {
-      out_.statement = "No poses within the ranges of the sensors would show more.";
-      return;
+    std::size_t attainable = 0, reached = 0;
+    for (const NextTarget& t : out_.targets) {
+      attainable += t.attainable;
+      reached += t.attainable && t.smallest_after <= t.typical;
     }
-    out_.statement =
-        telling_
-            ? fmt::format("{} poses to tell what was found from its rivals.", out_.poses.size())
-            : fmt::format(
-                  "{} poses to see {} that these recordings would not show at their "
-                  "usual size.",
-                  out_.poses.size(),
-                  attainable == 1 ? "an effect" : fmt::format("{} effects", attainable));
+    const std::size_t count = out_.poses.size();
+    if (count == 0)
+      out_.statement = "No poses within the ranges of the sensors would show more.";
+    else if (telling_)
+      out_.statement =
+          fmt::format("{} poses that tell what was found from its rivals best.", count);
+    else
+      out_.statement = fmt::format(
+          "{} poses for {} suspects that these recordings would not show at their usual size; {} "
+          "of them would then be seen.",
+          count, attainable, reached);
   }
 
   const Diagnosis& d_;

@@ -13,9 +13,9 @@ namespace {
 constexpr double kLeastArc = 120 * deg;
 constexpr double kStep = 10;  // s, from pose to pose: the linkage is at rest in each
 
-std::pair<double, double> widened(double low, double high, Dimension dimension) {
+std::pair<double, double> widened(double low, double high, Dimension dimension, double least) {
   double half = high - low;
-  if (dimension == angle) half = std::min(std::max(half, kLeastArc / 2), 180 * deg);
+  if (dimension == angle) half = std::min(std::max(half, least / 2), 180 * deg);
   const double middle = (low + high) / 2;
   return {middle - half, middle + half};
 }
@@ -95,7 +95,7 @@ class Maker {
         c.range.reset();
       } else if (!stated && !visited.empty()) {
         const auto [low, high] = std::minmax_element(visited.begin(), visited.end());
-        c.range = widened(*low, *high, c.dimension);
+        c.range = widened(*low, *high, c.dimension, i < readings ? kLeastArc : 0);
       }
       pool_.assumed.push_back(moves && !stated);
     }

@@ -3,8 +3,8 @@
 // next_poses.h can choose among them.
 //
 // Where a model states no range of a sensor or unknown, what was visited is widened: by half its
-// width on both sides, to a third of a turn at least. Payloads are those seen, approaches of both
-// senses where approaches were recorded, the time goes on after the last pose.
+// width on both sides, that of a sensor to a third of a turn at least. Payloads are those seen,
+// approaches of both senses where approaches were recorded, the time goes on after the last pose.
 #pragma once
 
 #include <cstdint>

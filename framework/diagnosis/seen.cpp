@@ -26,6 +26,10 @@ ShownValue magnitude_of(const Suspect& suspect, const Way& way, double times,
   e.amounts[at] = times * way.typical[at];
   ShownValue shown = shown_values(e, units).at(0);
   shown.value = std::abs(shown.value);
+  if (shown.unit.ends_with("/s") && shown.value < 1e-3 * times) {  // a drift
+    shown.value *= 3600;
+    shown.unit.back() = 'h';
+  }
   return shown;
 }
 

@@ -16,6 +16,20 @@ constexpr std::size_t kMost = 4, kLeast = 6;
 
 std::string figure(double v) { return std::isfinite(v) ? fmt::format("{:.3g}", v) : "-"; }
 
+// "joint1, joint2, joint5" as "joint1, 2, 5".
+std::string shortened(const std::vector<std::string>& names) {
+  auto stem = [](const std::string& name) {
+    return name.substr(0, name.find_last_not_of("0123456789") + 1);
+  };
+  std::string out;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string head = stem(names[i]);
+    const bool more = i > 0 && head == stem(names[i - 1]) && head.size() < names[i].size();
+    out += (i > 0 ? ", " : "") + (more ? names[i].substr(head.size()) : names[i]);
+  }
+  return out;
+}
+
 std::string rival_of(const SeenSuspect& s) {
   return s.rival.empty() || s.rival == "unknown" || s.imitates < 0.5
              ? "-"
@@ -115,30 +129,39 @@ std::string sensitivity_table(const Seen& seen, bool all) {
     std::vector<std::string> words;
     for (auto& [effect, at] : unseen) {
       std::sort(at.begin(), at.end());
-      words.push_back(effect + " at " + join(at));
+      words.push_back(effect + " at " + shortened(at));
     }
     out += "  not seen at ten times their usual size: " + join(words, "; ") + "\n";
   }
   return out;
 }
 
+// Senses of approach are one column of signs, joint by joint.
 std::string next_table(const NextRecordings& next, const UnitSystem& units, bool purposes) {
-  std::string out = "  pose";
-  std::vector<int> widths;
+  std::vector<std::string> lines(next.poses.size() + 1, "  pose");
+  for (std::size_t k = 0; k < next.poses.size(); ++k) lines[k + 1] = fmt::format("  {:>4}", k + 1);
+  std::vector<std::string> signs(next.poses.size());
+  std::size_t joints = 0;
   for (std::size_t c = 1; c < next.table.columns.size(); ++c) {
     const RecordedColumn& column = next.table.columns[c];
+    if (column.name.starts_with("approach_")) {
+      ++joints;
+      for (std::size_t k = 0; k < signs.size(); ++k) signs[k] += column.values[k] > 0 ? '+' : '-';
+      continue;
+    }
     const Unit unit = column.unit.text.empty() ? column.unit : units.of(column.unit.dimension);
     const std::string head = column.name + (unit.text.empty() ? "" : "[" + unit.text + "]");
-    widths.push_back(std::max<int>(8, static_cast<int>(head.size())));
-    out += fmt::format(" {:>{}}", head, widths.back());
+    const std::size_t width = std::max<std::size_t>(8, head.size());
+    lines[0] += fmt::format(" {:>{}}", head, width);
+    for (std::size_t k = 0; k < signs.size(); ++k)
+      lines[k + 1] += fmt::format(" {:>{}.6g}", column.values[k] / unit.factor, width);
   }
-  out += "\n";
-  for (std::size_t k = 0; k < next.poses.size(); ++k) {
-    out += fmt::format("  {:>4}", k + 1);
-    for (std::size_t c = 1; c < next.table.columns.size(); ++c) {
-      const RecordedColumn& column = next.table.columns[c];
-      out += fmt::format(" {:>{}.6g}", column.values[k] / column.unit.factor, widths[c - 1]);
-    }
+  const std::size_t width = std::max<std::size_t>(8, joints);
+  if (joints > 0) lines[0] += fmt::format(" {:>{}}", "approach", width);
+  std::string out = lines[0] + "\n";
+  for (std::size_t k = 0; k < signs.size(); ++k) {
+    out += lines[k + 1];
+    if (joints > 0) out += fmt::format(" {:>{}}", signs[k], width);
     if (purposes) out += "  to " + join(next.poses[k].purposes, ", ");
     out += "\n";
   }

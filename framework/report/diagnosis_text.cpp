@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "framework/diagnosis/blind_spots.h"
@@ -22,7 +23,12 @@ std::string wrapped(const std::string& text, const std::string& first, const std
   std::size_t column = first.size();
   auto flush = [&] {
     if (word.empty()) return;
-    if (column + word.size() > kWidth) out += "\n" + more, column = more.size();
+    const std::size_t bare = word.size() - (word.back() == ' ');
+    if (column + bare > kWidth) {
+      while (!out.empty() && out.back() == ' ') out.pop_back();
+      out += "\n" + more;
+      column = more.size();
+    }
     out += word;
     column += word.size();
     word.clear();
@@ -95,10 +101,11 @@ class Writer {
   void finding(const Finding& f, const std::string& kind, const Curve* curve) {
     out_ += "\n" + wrapped(sentence_of(f), kind + ". ", "  ");
     out_ += wrapped(
-        fmt::format("It explains {:.3g} sigmas of a pose; chi-square grows by {:.4g} without it; "
-                    "the best of all candidates would do as well by chance with p {} {:.2g}.",
-                    f.sigmas, f.delta_chi2, f.p_value < 1e-4 ? "<" : "=",
-                    std::max(f.p_value, 1e-4)),
+        fmt::format(
+            "It moves a typical pose by {:.3g} times its uncertainty; without it chi-square "
+            "grows by {:.4g}, which the best of all candidates does by chance with p {} "
+            "{:.2g}.",
+            f.sigmas, f.delta_chi2, f.p_value < 1e-4 ? "<" : "=", std::max(f.p_value, 1e-4)),
         "  ", "  ");
     if (!options_.details) return;
     for (const NamedRival& r : f.rivals)
@@ -141,6 +148,9 @@ class Writer {
     std::vector<const NextTarget*> attained;
     for (const NextTarget& t : n.targets)
       if (t.attainable) attained.push_back(&t);
+    std::stable_sort(attained.begin(), attained.end(), [](const auto* a, const auto* b) {
+      return a->smallest_after * b->smallest_before < b->smallest_after * a->smallest_before;
+    });
     for (std::size_t i = 0; i < attained.size() && (options_.details || i < 5); ++i) {
       const NextTarget& t = *attained[i];
       if (t.rivals.empty())
@@ -167,6 +177,8 @@ class Writer {
 
   void how_to_go_on() {
     out_ += "\nHow to go on\n";
+    if (!files_.extended_model.empty())
+      out_ += fmt::format("  The extended model is in {}\n", files_.extended_model);
     const std::string model =
         files_.extended_model.empty() ? context_.model_file : files_.extended_model;
     if (!files_.extended_model.empty())
