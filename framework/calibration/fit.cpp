@@ -141,7 +141,7 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
     }
     return found;
   };
-  std::vector<double> x = problem.start();
+  std::vector<double> x = options.start.empty() ? problem.start() : options.start;
   problem.set_qr(options.solver == FitOptions::Solver::qr);
   if (options.solver == FitOptions::Solver::qr && !problem.qr())
     fit.warnings.push_back(
@@ -202,11 +202,13 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
       report.final_cost / std::max<double>(1, static_cast<double>(problem.data().used()));
   const double scale = problem.noise_known() ? std::max(1.0, per_row) : std::max(1e-300, per_row);
   if (const double nominal = solutions[0].report.final_cost;
-      report.final_cost < nominal - 0.5 * scale)
-    fit.warnings.push_back(fmt::format(
+      report.final_cost < nominal - 0.5 * scale) {
+    fit.better_start = fmt::format(
         "A scattered start reached a better minimum (cost {:.6g} instead of {:.6g}); the nominal "
         "values lead to a local one. The better one was taken.",
-        report.final_cost, nominal));
+        report.final_cost, nominal);
+    fit.warnings.push_back(fit.better_start);
+  }
   problem.set_weights(x);
   const Eigen::MatrixXd J = problem.information(x).factor.leftCols(problem.size());
   for (const Solution& other : solutions) {
@@ -215,12 +217,13 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
     Eigen::VectorXd step(problem.size());
     for (int i = 0; i < problem.size(); ++i) step[i] = other.x[i] - x[i];
     if ((J * step).squaredNorm() <= 100 * scale) continue;
-    fit.warnings.push_back(
+    fit.twin =
         "Another set of parameters, far away, fits these recordings as well (a twin solution): " +
         differences(problem, x, other.x, program.units) +
         ". It may be the same linkage described otherwise (an axis reversed, two bars exchanged); "
         "if not, tighter "
-        "tolerances or more varied poses would decide.");
+        "tolerances or more varied poses would decide.";
+    fit.warnings.push_back(fit.twin);
     break;
   }
 

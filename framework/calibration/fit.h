@@ -18,6 +18,7 @@ struct FitOptions {
   int max_iterations = 200;
   int restarts = 4;  // from starts scattered over the tolerances
   std::uint64_t seed = 1;
+  std::vector<double> start;  // instead of the nominal values; parameters, then shared unknowns
   enum class Solver { automatic, gram, qr } solver = Solver::automatic;
 };
 
@@ -60,6 +61,8 @@ struct Fit {
   std::string stopped;
   std::string solver;                 // "gram" or "qr"
   std::vector<std::string> warnings;  // whole sentences
+  std::string better_start, twin;     // of these, that a scattered start found a better minimum,
+                                      // and that another set of parameters fits as well
   Problem::Residuals residuals_fit, residuals_check;
 };
 

@@ -115,6 +115,21 @@ class Problem {
     std::vector<int> pose;  // of each row: number of its pose
   };
   Linear linear(std::span<const double> x);
+  // Where the noise of the rows of linear(x) comes from: what each source (a reading, a measured
+  // row, a feature whose rows are carried from its columns) contributes to their covariance, pose
+  // by pose in that order. The shares add up to the unit matrix, less what latent unknowns, missing
+  // and dependent rows take. Only where the noise is known (problem_noise.cpp).
+  struct NoiseSource {
+    std::string name;  // the sensor, the row's measure, the feature
+    int feature = -1;  // -1: a reading
+    Dimension dimension;
+    double sigma = 0;  // as stated; zero where it is carried
+  };
+  struct Noise {
+    std::vector<NoiseSource> sources;
+    std::vector<std::vector<Eigen::MatrixXd>> shares;  // [pose][source], rows x rows
+  };
+  Noise noise(std::span<const double> x);
   // Per pose: J^T J of the whitened rows by the latent unknowns.
   std::vector<Eigen::MatrixXd> latent_information(std::span<const double> x);
 

@@ -89,6 +89,7 @@ struct Problem::Inside {
                          bool robust);  // whitening, projection, robust correction
   double batch_cost(const Bench& bench, int b) const;
 
+  std::vector<std::size_t> places() const;  // of each batch's lane: the place of its recorded row
   int chunks() const;
   double prior_cost(std::span<const double> x) const;
   Normal normal(std::span<const double> x, bool robust, bool priors);  // normal.cpp

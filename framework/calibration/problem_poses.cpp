@@ -32,23 +32,28 @@ Eigen::MatrixXd Problem::scores(std::span<const double> x) {
   return result;
 }
 
+// Batches follow the groups; what comes back follows the recorded rows: of each lane its place.
+std::vector<std::size_t> Problem::Inside::places() const {
+  std::vector<std::pair<int, std::size_t>> order;  // recorded row, batch and lane
+  for (int b = 0; b < data.batches(); ++b)
+    for (int l = 0; l < data.batch(b).count; ++l)
+      order.push_back({data.batch(b).poses[l], static_cast<std::size_t>(b) * lanes + l});
+  std::sort(order.begin(), order.end());
+  std::vector<std::size_t> at(static_cast<std::size_t>(data.batches()) * lanes);
+  for (std::size_t k = 0; k < order.size(); ++k) at[order[k].second] = k;
+  return at;
+}
+
 Problem::Linear Problem::linear(std::span<const double> x) {
   const int m = rows(), p = in_->parameters(),
             local = static_cast<int>(in_->plan.columns(Inside::kGlobal).size());
   const std::size_t block = static_cast<std::size_t>(m) * lanes;
-  // Batches follow the groups; what comes back follows the recorded rows.
-  std::vector<std::pair<int, std::size_t>> order;  // recorded row, batch and lane
-  for (int b = 0; b < data().batches(); ++b)
-    for (int l = 0; l < data().batch(b).count; ++l)
-      order.push_back({data().batch(b).poses[l], static_cast<std::size_t>(b) * lanes + l});
-  std::sort(order.begin(), order.end());
-  std::vector<Eigen::Index> at(static_cast<std::size_t>(data().batches()) * lanes);
-  for (std::size_t k = 0; k < order.size(); ++k) at[order[k].second] = static_cast<Eigen::Index>(k);
-  const auto poses = static_cast<Eigen::Index>(order.size());
+  const std::vector<std::size_t> at = in_->places();
+  const auto poses = static_cast<Eigen::Index>(data().poses());
   Linear result;
   result.rows.resize(poses * m);
   result.columns = Eigen::MatrixXd::Zero(poses * m, size());
-  result.pose.resize(order.size() * m);
+  result.pose.resize(data().poses() * m);
   in_->each_batch(x, [&](Bench& bench, int, int b) {
     in_->evaluate(bench, b);
     in_->losses(bench, b, false);
@@ -56,7 +61,8 @@ Problem::Linear Problem::linear(std::span<const double> x) {
     in_->plan.jacobian(bench.workspace, Inside::kGlobal, t, bench.panel.data(), block);
     for (int l = 0; l < data().batch(b).count; ++l)
       for (int r = 0; r < m; ++r) {
-        const Eigen::Index pose = at[static_cast<std::size_t>(b) * lanes + l], row = pose * m + r;
+        const auto pose = static_cast<Eigen::Index>(at[static_cast<std::size_t>(b) * lanes + l]);
+        const Eigen::Index row = pose * m + r;
         result.rows[row] = bench.whitened[r * lanes + l];
         result.pose[row] = static_cast<int>(pose);
         for (int j = 0; j < local; ++j)

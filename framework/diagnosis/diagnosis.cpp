@@ -101,6 +101,10 @@ Diagnosis diagnose(const Model& model, const Registry& registry, const Recording
     auto after = std::make_shared<Program>(compile(whole, registry));
     FitOptions fit_options = options.fit;
     fit_options.restarts = 0;
+    for (const Parameter& p : after->parameters)
+      fit_options.start.push_back(found.best.values.at(p.name));
+    for (const FittedValue& v : d.baseline.shared)
+      fit_options.start.push_back(found.best.values.at(v.name));
     d.after = fit_of(*after, known, split, fit_options);
     d.extended_model = whole;
     d.program_after = std::move(after);

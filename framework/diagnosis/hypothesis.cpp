@@ -22,6 +22,12 @@ std::vector<double> start_of(const Problem& problem, const std::map<std::string,
   return x;
 }
 
+// How the compiler calls the effect's element.
+std::string owner_of(const Accepted& e) {
+  const std::string& tag = e.suspect.plugin->declaration.tag;
+  return e.suspect.at.empty() ? tag : tag + "_" + e.suspect.at;
+}
+
 // The problem of a compiled hypothesis and what it finds.
 class Fitter {
  public:
@@ -43,12 +49,18 @@ class Fitter {
     std::vector<double> x = solve_from(start_of(*problem_, near.values), near, options);
     if (options.from_nominal) {
       const double found = cost_;
+      const bool converged = trial_.converged;
       const Buffer latent = problem_->latent_values();
-      const std::vector<double> other = solve_from(problem_->start(), near, options);
+      std::vector<double> nominal = problem_->start();
+      const auto& parameters = trial_.program->parameters;
+      for (const Accepted& e : trial_.effects)
+        for (std::size_t i = 0; i < parameters.size(); ++i)
+          if (parameters[i].element == owner_of(e)) nominal[i] = 0;
+      const std::vector<double> other = solve_from(nominal, near, options);
       if (cost_ < found - 1e-6)
         x = other;
       else
-        problem_->set_latent_values(latent), cost_ = found;
+        problem_->set_latent_values(latent), cost_ = found, trial_.converged = converged;
     }
     finish(x);
     return std::move(trial_);

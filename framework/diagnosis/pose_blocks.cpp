@@ -10,6 +10,9 @@ namespace {
 
 // What is smaller than this share of the largest is rounding.
 constexpr double rounding = 1e-12;
+// A direction of a pose of which the other poses tell less than this share has nothing to be
+// compared with.
+constexpr double told_by_others = 1e-6;
 
 }  // namespace
 
@@ -89,9 +92,27 @@ double PoseBlocks::distance2(const Solution& s, int pose) const {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(C);
   const Eigen::VectorXd along = solver.eigenvectors().transpose() * rows(s, pose);
   double sum = 0;
-  for (Eigen::Index i = 0; i < along.size(); ++i)  // a direction that only this pose tells: nothing
-    if (solver.eigenvalues()[i] > 1e-6) sum += along[i] * along[i] / solver.eigenvalues()[i];
+  for (Eigen::Index i = 0; i < along.size(); ++i)
+    if (solver.eigenvalues()[i] > told_by_others)
+      sum += along[i] * along[i] / solver.eigenvalues()[i];
   return sum;
+}
+
+Eigen::VectorXd PoseBlocks::standardised(const Solution& s, int pose) const {
+  const Block& b = blocks_[pose];
+  Eigen::MatrixXd C = -(b.A * s.covariance * b.A.transpose());
+  C.diagonal().array() += 1;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(C);
+  Eigen::VectorXd along = solver.eigenvectors().transpose() * rows(s, pose);
+  for (Eigen::Index i = 0; i < along.size(); ++i)
+    along[i] = solver.eigenvalues()[i] > told_by_others
+                   ? along[i] / std::sqrt(solver.eigenvalues()[i])
+                   : 0;
+  return solver.eigenvectors() * along;
+}
+
+double PoseBlocks::leverage(const Solution& s, int pose) const {
+  return (blocks_[pose].gram * s.covariance).trace();
 }
 
 Eigen::VectorXd PoseBlocks::predicted(const Solution& s, int pose) const {

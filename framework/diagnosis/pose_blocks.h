@@ -35,6 +35,10 @@ class PoseBlocks {
   Eigen::VectorXd rows(const Solution& solution, int pose) const;
   double squares(const Solution& solution, int pose) const;
   double distance2(const Solution& solution, int pose) const;
+  // (I - H_kk)^-1/2 e_k of a pose among those fitted: rows with the covariance they had before the
+  // fit; their square is d^2. And how many rows' worth it determines of the fit.
+  Eigen::VectorXd standardised(const Solution& solution, int pose) const;
+  double leverage(const Solution& solution, int pose) const;
   // What the fit to the other poses leaves of this pose's rows.
   Eigen::VectorXd predicted(const Solution& solution, int pose) const;
 

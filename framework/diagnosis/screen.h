@@ -58,6 +58,7 @@ struct Pick {
 struct Score {
   Pick pick;             // of a form with onset: the change point that explains most
   double gain = 0;       // chi-square explained, in units of the noise
+  double all = 0;        // the same, with combinations too weak to be tested, by unit noise
   int freedom = 0;       // amounts (or combinations) that can be seen; 0: nothing can be said
   double log_p = 0;      // of the gain by chance, at this change point
   double log_bayes = 0;  // of a form with onset: averaged over its change points
@@ -106,7 +107,7 @@ struct Rival {
 
 struct ScreenOptions {
   int threads = 1;
-  double least_visible = 0.5;  // a combination of amounts of typical size that moves the rows by
+  double least_visible = 0.05;  // a combination of amounts of typical size that moves the rows by
                                // fewer sigmas is not tested
   std::vector<double> scales = {0.3, 1, 3, 10};  // of the typical amounts, equally likely
   double reach = 10;  // amounts above this many typical ones are no way to imitate another

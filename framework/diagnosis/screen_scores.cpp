@@ -58,6 +58,7 @@ Score Screen::Inside::score(const Test& t, const VectorXd& b) const {
   s.freedom = t.freedom;
   s.visible = t.visible;
   s.log_bayes = log_bayes(t, z, chi2);
+  s.all = z.squaredNorm();
   const double explained = seen.squaredNorm();
   s.log_p = log_p(explained, t.freedom, chi2, noise_known);
   const double left =

@@ -1,8 +1,11 @@
 #include "framework/diagnosis/search.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "framework/diagnosis/tails.h"
 
@@ -62,6 +65,7 @@ class Searcher {
       result_.best = std::move(best_trial_);
       result_.members.push_back({0, gate, std::move(tried)});
       if (round > 0) backward(), swaps();
+      if (!seen_.insert(signature()).second) break;  // it turns in a circle
       progress("searching", (round + 1.0) / options_.most_effects);
     }
     alternatives();
@@ -69,6 +73,18 @@ class Searcher {
   }
 
  private:
+  // Which effects, where and how.
+  std::string signature() const {
+    std::vector<std::string> parts;
+    for (const Accepted& e : result_.best.effects) {
+      parts.push_back(e.suspect.effect + "@" + e.suspect.at + ":" + e.way.driver);
+      for (const auto& [name, value] : e.way.settings)
+        parts.back() += fmt::format(",{}={}", name, value);
+    }
+    std::sort(parts.begin(), parts.end());
+    return join(parts);
+  }
+
   StageOptions stage_options() const { return {options_.suspects}; }
 
   void progress(const std::string& step, double share) const {
@@ -101,18 +117,30 @@ class Searcher {
     std::vector<Alternative> result;
     std::vector<int> count(stage.suspects.suspects.size(), 0);
     const double top = entries.empty() ? 0 : entries[0].evidence;
-    for (const Entry& e : entries) {
-      if (static_cast<int>(result.size()) >= options_.finalists) break;
-      if (e.evidence < top - std::max(25.0, 0.5 * std::abs(top))) break;
-      const int s = stage.suspects.ways[e.score->pick.form].suspect;
-      if (++count[s] > 2) continue;
+    auto add = [&](const Entry& e) {
       hypotheses.push_back(base.effects);
       hypotheses.back().push_back(stage.accepted(ground_, *e.score));
       // Occam's term of the screening, the gain of the refit.
-      result.push_back({hypotheses.back().back(), e.evidence - e.score->gain / 2, 0, 0});
+      result.push_back({hypotheses.back().back(), e.evidence - e.score->all / 2, 0, 0});
+    };
+    std::set<std::string> places;
+    for (const Entry& e : entries) {
+      const int s = stage.suspects.ways[e.score->pick.form].suspect;
+      const std::string& joint = stage.suspects.suspects[s].joint;
+      const bool leading = static_cast<int>(result.size()) < options_.finalists &&
+                           e.evidence > top - std::max(25.0, 0.5 * std::abs(top));
+      // At the places of the first, everything that can act there: screening goes by a geometry
+      // that the missing effect has bent.
+      const bool neighbour = places.contains(joint) && e.evidence > 0;
+      if ((!leading && !neighbour) || ++count[s] > (leading ? 2 : 1)) continue;
+      if (result.size() < 2 && !joint.empty()) places.insert(joint);
+      add(e);
+      if (static_cast<int>(result.size()) >= 2 * options_.finalists) break;
     }
     if (hypotheses.empty()) return {};
-    std::vector<Trial> trials = fit_trials(ground_, hypotheses, base);
+    TrialOptions trial_options;
+    trial_options.from_nominal = true;
+    std::vector<Trial> trials = fit_trials(ground_, hypotheses, base, trial_options);
     std::size_t best = 0;
     for (std::size_t i = 0; i < trials.size(); ++i) {
       result[i].cost2 = trials[i].cost2;
@@ -211,6 +239,7 @@ class Searcher {
   const SearchOptions& options_;
   Search result_;
   Trial best_trial_;
+  std::set<std::string> seen_;
 };
 
 }  // namespace

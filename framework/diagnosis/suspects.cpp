@@ -94,6 +94,7 @@ class Enumerator {
       for (const Input& i : d.inputs)
         if (i.role == Role::amount) forms.back().amounts.push_back(i.name);
     }
+    if (!d.effect.everywhere) s.joint = place.joint;
     out_.suspects.push_back(std::move(s));
     const int index = static_cast<int>(out_.suspects.size()) - 1;
     for (const EffectForm& form : forms) {

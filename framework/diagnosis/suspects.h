@@ -25,6 +25,7 @@ struct Suspect {
   std::string at;                // as the model file says it; empty: the effect's default
   std::vector<int> places;       // of the program with fields
   Dimension dimension;           // of the reading or coordinate that it corrects
+  std::string joint;             // to which the place belongs; empty where to none
 };
 
 // One way of writing it.

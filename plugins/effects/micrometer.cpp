@@ -51,7 +51,7 @@ struct MicrometerTipOffset {
     return effect("micrometer_tip_offset", Acts::reading,
                   "spherical tip on a tilting flat: tip_radius (1/cos(g) - 1)")
         .on(length)
-        .amount("tip_radius", length, 0.5, "radius of the tip, or what acts as such")
+        .amount("tip_radius", length, 2, "radius of the tip, or what acts as such")
         .setting("neutral", length, 20, {}, "reading at which the flat stands square")
         .of_sensor("bar1", length)
         .of_sensor("bar2", length)

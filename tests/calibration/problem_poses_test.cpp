@@ -46,3 +46,37 @@ TEST_CASE("the linear form goes by recorded rows") {
     }
   }
 }
+
+// Without unknowns of the pose, the rows have unit covariance, and the sources account for it.
+TEST_CASE("the shares of the sources of noise add up") {
+  for (const char* file : {"arm-6r/model.xml", "isl-bonny-2013/model.xml",
+                           "device-nordquist-2009/model.xml", "knee-two-axis/model.xml"}) {
+    CAPTURE(file);
+    Model model = model_of(shipped(file));
+    const bool latent = file[0] == 'k';
+    const Program program = program_of(model);
+    const Recordings recordings =
+        recorded(program_of(latent ? with_readings_for_unknowns(model, "-40, 40") : model), 20, 2);
+    Problem problem(program, recordings, all_rows(recordings), Groups(program, recordings), {});
+    problem.set_weights(problem.start());
+    const Problem::Noise noise = problem.noise(problem.start());
+    const Problem::Linear linear = problem.linear(problem.start());
+    for (std::size_t k = 0; k < noise.shares.size(); ++k) {
+      Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(problem.rows(), problem.rows());
+      for (const Eigen::MatrixXd& share : noise.shares[k]) sum += share;
+      CHECK((sum * sum - sum).norm() < 1e-6);  // a projection
+      const auto told = problem.rows() - problem.latents();
+      const bool dependent = std::string(file) != "arm-6r/model.xml" && !latent;
+      CHECK(sum.trace() == doctest::Approx(dependent ? std::round(sum.trace()) : told));
+      CHECK(sum.trace() <= told + 1e-6);
+      CHECK(sum.trace() >= told - 1.5);
+      const auto rows =
+          linear.rows.segment(static_cast<Eigen::Index>(k) * problem.rows(), problem.rows());
+      CHECK((sum * rows - rows).norm() < 1e-6 * (1 + rows.norm()));
+    }
+    std::vector<std::string> names;
+    for (const auto& source : noise.sources) names.push_back(source.name);
+    if (!latent) CHECK(names[0] == program.readings[0].sensor);
+    if (latent) CHECK(names[0] == "E.x");
+  }
+}
