@@ -9,6 +9,8 @@
 #include <functional>
 
 #include "framework/diagnosis/evidence.h"
+#include "framework/diagnosis/faults.h"
+#include "framework/diagnosis/outliers.h"
 #include "framework/diagnosis/search.h"
 #include "framework/diagnosis/shown.h"
 
@@ -45,6 +47,8 @@ struct Diagnosis {
   std::shared_ptr<const Program> program, program_after;
   Model extended_model;  // as it was given, where nothing was found
   HeldOut heldout;
+  std::vector<Fault> faults;      // of the table, ruled out before any physics
+  std::vector<Outlier> outliers;  // poses that are simply wrong
   Search search;
   std::vector<std::string> warnings;
   double seconds = 0;

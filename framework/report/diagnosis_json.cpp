@@ -120,7 +120,15 @@ std::string diagnosis_json(const Diagnosis& d, const Advice& advice, const Repor
   for (std::size_t i = 0; i < d.hints.size(); ++i)
     out["hints"].push_back(json_of(d.hints[i], advice.hint_curves, i));
   out["outliers"] = Json::array();
+  for (const Outlier& o : d.outliers) out["outliers"].push_back(o.pose);
+  out["outlier_statements"] = Json::array();
+  for (const Outlier& o : d.outliers) out["outlier_statements"].push_back(o.statement);
   out["faults"] = Json::array();
+  for (const Fault& f : d.faults) {
+    out["faults"].push_back({{"kind", f.kind}, {"where", f.where}, {"statement", f.statement}});
+    if (!f.poses.empty()) out["faults"].back()["poses"] = f.poses;
+    if (f.note) out["faults"].back()["note"] = true;
+  }
   out["sensitivity"] = Json::array();
   for (const SeenSuspect& s : advice.seen.suspects) out["sensitivity"].push_back(json_of(s));
   out["untestable"] = Json::array();

@@ -54,6 +54,7 @@ class Writer {
 
   std::string run() {
     out_ = wrapped(sentence_of(d_), heading(d_.verdict) + ". ", "  ");
+    ordinary();
     evidence();
     for (std::size_t i = 0; i < d_.findings.size(); ++i)
       finding(d_.findings[i], "Finding", curve(advice_.curves, i));
@@ -70,6 +71,19 @@ class Writer {
  private:
   static const Curve* curve(const std::vector<Curve>& all, std::size_t i) {
     return i < all.size() ? &all[i] : nullptr;
+  }
+
+  // Faults of the table and blunders.
+  void ordinary() {
+    if (!d_.faults.empty()) out_ += "\nThe table of recordings\n";
+    for (const Fault& f : d_.faults)
+      out_ += wrapped(f.statement, f.note ? "  note: " : "  - ", "    ");
+    if (d_.outliers.empty()) return;
+    out_ += fmt::format("\nPoses that are simply wrong ({})\n", d_.outliers.size());
+    for (std::size_t i = 0; i < d_.outliers.size() && (options_.details || i < 5); ++i)
+      out_ += wrapped(d_.outliers[i].statement, "  - ", "    ");
+    if (!options_.details && d_.outliers.size() > 5)
+      out_ += fmt::format("  - and {} more (--details)\n", d_.outliers.size() - 5);
   }
 
   void evidence() {
