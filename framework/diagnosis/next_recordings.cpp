@@ -6,6 +6,8 @@
 #include "framework/diagnosis/advice.h"
 #include "framework/diagnosis/blind_spots.h"
 #include "framework/diagnosis/pool.h"
+#include "framework/diagnosis/screen_inside.h"
+#include "framework/diagnosis/tails.h"
 
 namespace talus {
 namespace {
@@ -32,7 +34,11 @@ class Chooser {
  public:
   Chooser(const Diagnosis& diagnosis, const Seen& seen, const Pool& pool,
           const AdviceOptions& options)
-      : d_(diagnosis), seen_(seen), pool_(pool), options_(options) {}
+      : d_(diagnosis),
+        seen_(seen),
+        pool_(pool),
+        options_(options),
+        candidates_(pool.suspects.candidates) {}
 
   NextRecordings run() {
     targets();
@@ -44,8 +50,10 @@ class Chooser {
     NextPosesOptions options;
     options.count = options_.poses;
     options.threads = options_.threads;
-    const Candidates& candidates = pool_.suspects.candidates;
-    const NextPoses chosen = next_poses(pool_.baseline, candidates, pool_.poses, wanted_, options);
+    const Screen::Inside& stage = d_.search.stage->screen.inside();
+    if (d_.search.first.threshold < 0)
+      options.seen = needed_noncentrality(d_.search.first.threshold, 2, 0.8) * stage.noise;
+    const NextPoses chosen = next_poses(pool_.baseline, candidates_, pool_.poses, wanted_, options);
     out_.before = chosen.before, out_.after = chosen.after;
     for (std::size_t t = 0; t < wanted_.size(); ++t) gain(t, chosen.targets[t], options);
     for (const int pose : chosen.chosen) add(chosen, pose, options);
@@ -79,6 +87,10 @@ class Chooser {
     if (wanted_.size() >= kMostTargets) return;
     const int form = form_of(suspect, way);
     if (form < 0) return;
+    // Typical sizes are those that the recorded poses stand for.
+    const Form& columns = candidates_.forms[static_cast<std::size_t>(form)];
+    for (std::size_t a = 0; a < columns.columns.size(); ++a)
+      candidates_.typical[columns.columns[a]] = way.typical[a];
     Target t{form, amounts, {}};
     NextTarget named{suspect.effect, suspect.location, "", ""};
     for (const Accepted* r : rivals)
@@ -138,12 +150,14 @@ class Chooser {
 
   void gain(std::size_t t, const TargetGain& g, const NextPosesOptions& options) {
     NextTarget& named = out_.targets[t];
-    const Way& way = pool_.suspects.ways[static_cast<std::size_t>(wanted_[t].form)];
     double size = 1;  // of the amounts that the chi-square belongs to, in typical ones
     if (wanted_[t].amounts.size() > 0) {
       double sum = 0;
-      for (std::size_t a = 0; a < way.typical.size(); ++a)
-        sum += std::pow(wanted_[t].amounts[static_cast<Eigen::Index>(a)] / way.typical[a], 2);
+      const Form& form = candidates_.forms[static_cast<std::size_t>(wanted_[t].form)];
+      for (std::size_t a = 0; a < form.columns.size(); ++a)
+        sum += std::pow(
+            wanted_[t].amounts[static_cast<Eigen::Index>(a)] / candidates_.typical[form.columns[a]],
+            2);
       size = std::sqrt(sum);
     }
     auto smallest = [&](double chi2) {
@@ -216,7 +230,7 @@ class Chooser {
   }
 
   Candidates extended_candidates(const std::vector<PoolPose>& others) const {
-    Candidates c = pool_.suspects.candidates;
+    Candidates c = candidates_;
     for (const PoolPose& p : others) {
       const Eigen::Index at = c.columns.rows();
       c.columns.conservativeResize(at + p.candidates.rows(), Eigen::NoChange);
@@ -273,8 +287,8 @@ class Chooser {
           fmt::format("{} poses that tell what was found from its rivals best.", count);
     else
       out_.statement = fmt::format(
-          "{} poses for {} suspects that these recordings would not show at their usual size; {} "
-          "of them would then be seen.",
+          "{} poses for what these recordings would not show at its usual size: of {} such "
+          "suspects {} would then be seen.",
           count, attainable, reached);
   }
 
@@ -282,6 +296,7 @@ class Chooser {
   const Seen& seen_;
   const Pool& pool_;
   const AdviceOptions& options_;
+  Candidates candidates_;  // of the pool
   std::vector<Target> wanted_;
   bool telling_ = false;
   NextRecordings out_;

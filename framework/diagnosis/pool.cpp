@@ -11,7 +11,8 @@ namespace talus {
 namespace {
 
 constexpr double kLeastArc = 120 * deg;
-constexpr double kStep = 10;  // s, from pose to pose: the linkage is at rest in each
+constexpr double kBearable = 3;  // times the loads that were recorded
+constexpr double kStep = 10;     // s, from pose to pose: the linkage is at rest in each
 
 std::pair<double, double> widened(double low, double high, Dimension dimension, double least) {
   double half = high - low;
@@ -23,8 +24,10 @@ std::pair<double, double> widened(double low, double high, Dimension dimension, 
 // Settings are given to a tenth of a degree and a hundredth of a millimetre.
 double rounded(double value, Dimension dimension, std::pair<double, double> range) {
   const double step = dimension == angle ? 0.1 * deg : dimension == length ? 0.01 : 1e-6;
-  const double r = step * std::round(value / step);
-  return r < range.first || r > range.second ? value : r;
+  double r = step * std::round(value / step);
+  if (r < range.first) r += step;
+  if (r > range.second) r -= step;
+  return r < range.first ? value : r;
 }
 
 class Maker {
@@ -152,22 +155,51 @@ class Maker {
     return seen.back();
   }
 
+  // Without those that would load the linkage far more than it was: near a singular posture loads
+  // grow without bound, and nobody would go there.
+  std::vector<std::size_t> bearable(const std::vector<std::size_t>& rows) const {
+    std::vector<std::size_t> kept;
+    std::vector<std::pair<const RecordedColumn*, double>> loads;
+    for (const RecordedColumn& c : pool_.recordings.columns) {
+      if (!c.name.starts_with("load:")) continue;
+      double most = 0;
+      for (std::size_t r = 0; r < recordings_.rows(); ++r)
+        if (std::isfinite(c.values[r])) most = std::max(most, std::abs(c.values[r]));
+      if (most > 0) loads.emplace_back(&c, kBearable * most);
+    }
+    for (const std::size_t row : rows)
+      if (row < recordings_.rows() || std::all_of(loads.begin(), loads.end(), [&](const auto& l) {
+            return std::abs(l.first->values[row]) <= l.second;
+          }))
+        kept.push_back(row);
+    return kept;
+  }
+
+  // Which of the settings a row of the pool is.
+  std::size_t nth(std::size_t row, const std::vector<std::size_t>& rows) const {
+    return static_cast<std::size_t>(std::find(rows.begin(), rows.end(), row) - rows.begin()) -
+           ground_.rows.size();
+  }
+
   void linear(const std::vector<std::size_t>& rows, const Settings& settings,
               const SuspectOptions& suspects) {
     pool_.recordings =
         with_circumstances(*ground_.model, *ground_.registry, program_, pool_.recordings, x_);
-    const Ground both{ground_.model, ground_.registry, &pool_.recordings, rows, ground_.threads};
+    const std::vector<std::size_t> sane = bearable(rows);
+    const Ground both{ground_.model, ground_.registry, &pool_.recordings, sane, ground_.threads};
     Trial trial = null_;
     const Groups groups(program_, recordings_);
     if (!groups.latent.empty()) {
       const Eigen::Index old = null_.latents.rows();
-      trial.latents.conservativeResize(old + static_cast<Eigen::Index>(settings.poses.size()),
-                                       Eigen::NoChange);
-      for (std::size_t k = 0; k < settings.poses.size(); ++k)
+      trial.latents.conservativeResize(
+          old + static_cast<Eigen::Index>(sane.size() - ground_.rows.size()), Eigen::NoChange);
+      for (std::size_t k = ground_.rows.size(); k < sane.size(); ++k) {
+        const auto& setting = settings.poses[nth(sane[k], rows)];
         for (std::size_t l = 0; l < groups.latent.size(); ++l)
-          trial.latents(old + static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(l)) =
-              settings
-                  .poses[k][program_.readings.size() + static_cast<std::size_t>(groups.latent[l])];
+          trial.latents(old + static_cast<Eigen::Index>(k - ground_.rows.size()),
+                        static_cast<Eigen::Index>(l)) =
+              setting[program_.readings.size() + static_cast<std::size_t>(groups.latent[l])];
+      }
     }
     StageOptions options;
     options.suspects = suspects;
@@ -200,10 +232,7 @@ class Maker {
       pool_.poses.push_back(
           {at.baseline.columns(of_pose[k], Eigen::all), all(of_pose[k], Eigen::all)});
       pool_.rows.push_back(at.rows[k]);
-      const std::size_t nth =
-          static_cast<std::size_t>(std::find(rows.begin(), rows.end(), at.rows[k]) - rows.begin() -
-                                   static_cast<std::ptrdiff_t>(ground_.rows.size()));
-      pool_.settings.poses.push_back(settings.poses[nth]);
+      pool_.settings.poses.push_back(settings.poses[nth(at.rows[k], rows)]);
     }
     const Eigen::MatrixXd old_columns = all(old_rows, Eigen::all);
     pool_.suspects = std::move(at.suspects);
