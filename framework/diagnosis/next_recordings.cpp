@@ -106,7 +106,7 @@ class Chooser {
   }
 
   void targets() {
-    if (d_.verdict == Verdict::ambiguous)
+    if (d_.verdict == Verdict::ambiguous || !d_.hints.empty())
       for (std::size_t i = 0; i < d_.search.best.effects.size(); ++i) {
         const Accepted& e = d_.search.best.effects[i];
         std::vector<const Accepted*> rivals;
@@ -281,7 +281,11 @@ class Chooser {
     }
     const std::size_t count = out_.poses.size();
     if (count == 0)
-      out_.statement = "No poses within the ranges of the sensors would show more.";
+      out_.statement =
+          telling_
+              ? "No poses within the ranges of the sensors tell what was found from its rivals; "
+                "another load, mounting or design would have to."
+              : "No poses within the ranges of the sensors would show more.";
     else if (telling_)
       out_.statement =
           fmt::format("{} poses that tell what was found from its rivals best.", count);

@@ -12,7 +12,7 @@ namespace talus {
 namespace {
 
 constexpr double kImplausible = 10;  // times the usual size: as good as unseen
-constexpr std::size_t kMost = 4, kLeast = 6;
+constexpr std::size_t kMost = 3, kLeast = 4;
 
 std::string figure(double v) { return std::isfinite(v) ? fmt::format("{:.3g}", v) : "-"; }
 

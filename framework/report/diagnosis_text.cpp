@@ -158,10 +158,10 @@ class Writer {
     if (n.statement.empty()) return;
     out_ += "\nWhat to record next\n" + wrapped(n.statement, "  ", "  ");
     if (n.poses.empty()) return;
-    out_ += next_table(n, d_.program->units, options_.details);
     std::vector<const NextTarget*> attained;
     for (const NextTarget& t : n.targets)
       if (t.attainable) attained.push_back(&t);
+    out_ += next_table(n, d_.program->units, options_.details && attained.size() > 1);
     std::stable_sort(attained.begin(), attained.end(), [](const auto* a, const auto* b) {
       return a->smallest_after * b->smallest_before < b->smallest_after * a->smallest_before;
     });

@@ -81,14 +81,21 @@ std::string sentence_of(const Diagnosis& d) {
     case Verdict::nothing_missing:
       if (!d.hints.empty())
         return fmt::format(
-            "No physics is missing that matters: {} shows, but moves a pose by only {:.2g} of its "
-            "sigmas.",
-            what(d.hints[0]), d.hints[0].sigmas);
+            "Nothing is missing that these poses would notice: {} ({:.2f}{}) shows, but moves a "
+            "pose by only {:.2g} of its uncertainty. It may matter at other poses.",
+            what(d.hints[0]), d.hints[0].probability,
+            rivals_in_words(d.hints[0], 0.05).empty() ? ""
+                                                      : "; or " + rivals_in_words(d.hints[0], 0.05),
+            d.hints[0].sigmas);
       return "Nothing is missing that these recordings could show.";
     case Verdict::explained:
+      if (d.after.noise_known && d.after.chi2_p < 1e-3)
+        return fmt::format(
+            "The model left out {}; with it, residuals are {:.2g} times the stated noise: a little "
+            "more may be missing.",
+            names, d.after.noise_scale);
       return "The model left out " + names +
-             "; with it, simulation and recordings agree as far as "
-             "the rows held out tell.";
+             "; with it, simulation and recordings agree as closely as the instruments can tell.";
     case Verdict::ambiguous: {
       std::vector<std::string> words;
       for (const Finding& f : d.findings) {
