@@ -67,7 +67,8 @@ Dataset::Dataset(const Program& program, const Plan& plan, const Recordings& rec
   for (const Reading& r : program.readings)
     if (needed.contains(r.slot))
       column_of[r.slot] =
-          missing_column(r.column, r.dimension, r.place, ("sensor '" + r.sensor + "'").c_str());
+          missing_column(r.column, r.dimension, r.place,
+                         r.covariate ? "an effect" : ("sensor '" + r.sensor + "'").c_str());
   for (const MeasuredColumn& c : program.columns)
     if (needed.contains(c.slot))
       column_of[c.slot] = missing_column(c.name, c.dimension, c.place, "a measured feature");

@@ -76,19 +76,25 @@ std::vector<bool> wanted(const Program& program, const Recordings& recordings,
   for (const auto& slots : support) seen.insert(slots.begin(), slots.end());
   const std::size_t readings = program.readings.size();
   std::vector<bool> result(list.size());
-  bool any_given = list.empty();
+  bool any_given =
+      std::all_of(list.begin(), list.end(), [](const Coordinate& c) { return c.covariate; });
   int count = 0;
   for (std::size_t i = 0; i < list.size(); ++i) {
     const bool given = recordings.find(list[i].column);
     const Unknown* unknown = i < readings ? nullptr : &program.unknowns[i - readings];
     const int slot = unknown ? unknown->slot : program.readings[i].slot;
-    any_given |= given;
+    any_given |= given && !list[i].covariate;
+    if (list[i].covariate) continue;
     result[i] = !given && seen.contains(slot) && !(unknown && !unknown->per.empty()) &&
                 (list[i].dimension == angle || list[i].dimension == length);
     count += result[i];
     if (!given && !result[i] && !unknown) recordings.get(list[i].column, list[i].dimension);
   }
-  if (!any_given && count == 0) recordings.get(list[0].column, list[0].dimension);
+  if (!any_given && count == 0) {
+    const Coordinate& first =
+        *std::find_if(list.begin(), list.end(), [](const Coordinate& c) { return !c.covariate; });
+    recordings.get(first.column, first.dimension);
+  }
   if (count > static_cast<int>(program.rows.size()))
     throw InputError(
         {recordings.file, recordings.header_line, 0},
@@ -223,8 +229,9 @@ std::size_t Recovered::count(How which) const {
 }
 
 Settings settings_from(Program& program, const Recordings& recordings, int threads) {
-  const bool sensed = std::all_of(program.readings.begin(), program.readings.end(),
-                                  [&](const Reading& r) { return recordings.find(r.column); });
+  const bool sensed =
+      std::all_of(program.readings.begin(), program.readings.end(),
+                  [&](const Reading& r) { return r.covariate || recordings.find(r.column); });
   return recover(program, recordings, sensed ? Reach::nearest : Reach::exactly, threads).settings;
 }
 

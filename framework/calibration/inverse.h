@@ -5,7 +5,8 @@
 // measured frames, and a table with some of both are all understood.
 //
 // What neither is there nor can be found: a sensor's reading is an error; an unknown that no
-// measured feature depends on, or that is shared by several rows, stays at its start.
+// measured feature depends on, or that is shared by several rows, stays at its start. A covariate
+// that is not there has its usual value.
 #pragma once
 
 #include <string>

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <set>
 
+#include "framework/kinematics/covariates.h"
+
 namespace talus {
 namespace {
 
@@ -46,8 +48,8 @@ struct Sources {
   Sources(const Program& program, const Recordings& recordings) {
     for (const Reading& r : program.readings) {
       const bool recorded = recordings.find(r.column);
-      coordinates.push_back(
-          {recorded ? &recordings.get(r.column, r.dimension) : nullptr, std::nan("")});
+      coordinates.push_back({recorded ? &recordings.get(r.column, r.dimension) : nullptr,
+                             r.covariate ? usual_value(r.column) : std::nan("")});
     }
     for (const Unknown& u : program.unknowns) coordinates.push_back({nullptr, u.start.value});
     for (const Payload& p : program.payloads) {

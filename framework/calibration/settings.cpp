@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "framework/kinematics/covariates.h"
 #include "framework/model/quantity.h"
 
 namespace talus {
@@ -14,6 +15,10 @@ std::vector<Coordinate> coordinates(const Program& program) {
   std::vector<Coordinate> list;
   const std::pair<double, double> turn(-60 * deg, 60 * deg);
   for (const Reading& r : program.readings) {
+    if (r.covariate) {
+      list.push_back({r.sensor, r.column, r.dimension, usual_value(r.column), {}, true});
+      continue;
+    }
     const bool outside = r.range && (r.range->first > 0 || r.range->second < 0);
     list.push_back({r.sensor, r.column, r.dimension,
                     outside ? (r.range->first + r.range->second) / 2 : 0, r.range});
@@ -64,7 +69,10 @@ Settings grid_settings(const Program& program, const std::string& grid) {
   const std::vector<Coordinate> list = coordinates(program);
   std::vector<std::string> names;
   std::vector<std::vector<double>> axes;
-  for (const Coordinate& c : list) names.push_back(c.name), axes.push_back({c.rest});
+  for (const Coordinate& c : list) {
+    names.push_back(is_derived(c.column) ? "" : c.name);  // not to be chosen
+    axes.push_back({c.rest});
+  }
   const Place place{"--grid", 0, 0};
   std::vector<std::string> seen;
   for (const std::string& part : words_of(grid, ';')) {
@@ -73,10 +81,13 @@ Settings grid_settings(const Program& program, const std::string& grid) {
     std::erase(name, ' ');
     if (name.empty() && equals == std::string::npos) continue;
     const auto it = std::find(names.begin(), names.end(), name);
-    if (it == names.end() || equals == std::string::npos)
+    if (name.empty() || it == names.end() || equals == std::string::npos) {
+      std::vector<std::string> known = names;
+      std::erase(known, "");
       throw InputError(place, fmt::format("'{}'", part),
-                       "name=first:last:step or name=a,b,c with one of: " + join(names),
-                       nearest(name, names));
+                       "name=first:last:step or name=a,b,c with one of: " + join(known),
+                       nearest(name, known));
+    }
     const Coordinate& c = list[it - names.begin()];
     auto value = [&](const std::string& text) {
       const Quantity q = parse_quantity(text, c.dimension, program.units, place);

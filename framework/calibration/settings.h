@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "framework/kinematics/program.h"
+#include "framework/recordings/recordings.h"
 
 namespace talus {
 
@@ -16,14 +17,18 @@ namespace talus {
 struct Coordinate {
   std::string name, column;  // the sensor and its column; the unknown, twice
   Dimension dimension;
-  double rest;  // zero, or the middle of the range where zero is outside; the unknown's start
+  double rest;  // zero, or the middle of the range where zero is outside; the unknown's start; a
+                // covariate's usual value
   std::optional<std::pair<double, double>> range;
+  bool covariate = false;  // a circumstance that effects depend on; it moves nothing by itself
 };
 std::vector<Coordinate> coordinates(const Program& program);
 
 // One value per coordinate (internal units), in that order.
 struct Settings {
   std::vector<std::vector<double>> poses;  // [pose][coordinate]
+  // What is recorded beside the readings; see circumstances.h.
+  std::vector<RecordedColumn> circumstances = {};
 };
 
 // `count` poses drawn uniformly from the sensors' ranges and the bounds of unknowns per pose;

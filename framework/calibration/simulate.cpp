@@ -7,6 +7,7 @@
 #include <functional>
 #include <random>
 
+#include "framework/calibration/circumstances.h"
 #include "framework/kinematics/pose_values.h"
 
 namespace talus {
@@ -53,8 +54,8 @@ std::vector<double> show(const Feature& f, PlainPose pose, const std::function<d
 
 }  // namespace
 
-Recordings simulate(const Program& program, const Settings& settings,
-                    const SimulateOptions& options) {
+Recordings simulate(const Program& program, const Settings& given, const SimulateOptions& options) {
+  const Settings settings = with_circumstances(program, given);
   std::mt19937_64 random(options.seed);
   std::normal_distribution<double> normal;
   const std::function<double()> gauss = [&] {
@@ -67,21 +68,29 @@ Recordings simulate(const Program& program, const Settings& settings,
     out.columns.push_back({name, unit, {}, {}});
   };
   column("pose", number);
-  for (const Reading& r : program.readings) column(r.column, r.dimension);
+  int order = -1;  // number of the covariate `pose`, where an effect needs it
+  const std::size_t readings = program.readings.size();
+  for (std::size_t i = 0; i < readings; ++i) {
+    const Reading& r = program.readings[i];
+    if (!r.covariate) column(r.column, r.dimension);
+    if (r.covariate && r.column == "pose") order = static_cast<int>(i);
+  }
   for (const Feature& f : program.features)
     for (int c : f.columns) column(program.columns[c].name, program.columns[c].dimension);
   std::vector<PoseValues> chains;
   for (const Feature& f : program.features)
     chains.emplace_back(program, program.chains[f.chain].motions);
-  const std::size_t readings = program.readings.size();
   for (std::size_t k = 0; k < settings.poses.size(); ++k) {
     const std::vector<double> slots = slots_at(program, settings.poses[k]);
     std::size_t next = 0;
     out.lines.push_back(static_cast<int>(k) + 2);
-    out.columns[next++].values.push_back(static_cast<double>(k + 1));
-    for (std::size_t i = 0; i < readings; ++i)
+    out.columns[next++].values.push_back(order < 0 ? static_cast<double>(k + 1)
+                                                   : settings.poses[k][order]);
+    for (std::size_t i = 0; i < readings; ++i) {
+      if (program.readings[i].covariate) continue;
       out.columns[next++].values.push_back(settings.poses[k][i] +
                                            program.readings[i].sigma * gauss());
+    }
     for (std::size_t f = 0; f < program.features.size(); ++f) {
       const std::vector<double> shown = show(program.features[f], chains[f](slots), gauss);
       if (shown.size() != program.features[f].columns.size())
@@ -93,6 +102,8 @@ Recordings simulate(const Program& program, const Settings& settings,
       for (double v : shown) out.columns[next++].values.push_back(v);
     }
   }
+  out.columns.insert(out.columns.begin() + 1, settings.circumstances.begin(),
+                     settings.circumstances.end());
   // As many digits as an instrument shows; without noise, all of them.
   if (options.noise > 0)
     for (RecordedColumn& c : out.columns) {

@@ -1,6 +1,8 @@
 // Recordings from a model: where the coordinates are given (settings.h) the measured features
 // follow by forward kinematics. Where the measured features are given, the coordinates follow by
-// inverse kinematics (inverse.h). Noise comes from the sensors' and features' sigmas.
+// inverse kinematics (inverse.h). Noise comes from the sensors' and features' sigmas. Effects of
+// the model act; the circumstances that they need are made up where the settings lack them
+// (circumstances.h).
 #pragma once
 
 #include <cstdint>

@@ -6,6 +6,7 @@
 #include <memory>
 #include <set>
 
+#include "framework/calibration/circumstances.h"
 #include "framework/calibration/fit.h"
 #include "framework/cli/commands.h"
 #include "framework/report/report.h"
@@ -97,8 +98,13 @@ void run(Options& o) {
   check_writable(o.common.json);
   Registry registry = o.common.registry();
   Model model = open_model(o.model, registry, o.common);
-  const Measured measured = open_recordings(compile(model, registry), o.recordings, o.points);
-  const Recordings& recordings = measured.recordings;
+  Measured measured;
+  {
+    const Program nominal = compile(model, registry);
+    measured = open_recordings(nominal, o.recordings, o.points);
+    measured.recordings = with_derived(nominal, measured.recordings);
+  }
+  Recordings& recordings = measured.recordings;
   o.fit.threads = o.common.thread_count();
   o.fit.seed = o.common.seed;
   o.fit.solver = o.solver == "gram" ? FitOptions::Solver::gram
@@ -110,6 +116,10 @@ void run(Options& o) {
   const Split split =
       split_rows(recordings, split_options(program, recordings, o.check, o.groups, o.common.seed));
   Fit fit = calibrate(program, recordings, split, o.fit);
+  if (depends_on_loads(program)) {  // once more, with the loads at the geometry found
+    recordings = with_derived(program, recordings, fit.x);
+    fit = calibrate(program, recordings, split, o.fit);
+  }
   fit.warnings.insert(fit.warnings.begin(), measured.warnings.begin(), measured.warnings.end());
   if (o.folds > 1) context.folds = fold(program, recordings, split, o);
   const std::string text = text_report(program, fit, context);

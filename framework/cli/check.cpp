@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "framework/calibration/circumstances.h"
 #include "framework/calibration/fit.h"
 #include "framework/calibration/settings.h"
 #include "framework/cli/commands.h"
@@ -33,8 +34,19 @@ std::string chain_text(const Program& program) {
   }
   out += "Readings\n";
   for (const Reading& r : program.readings)
-    out += fmt::format("  {:<14} {:<10} {}\n", r.sensor, r.column,
-                       formula(r.value, program.slot_names));
+    if (!r.covariate)
+      out += fmt::format("  {:<14} {:<10} {}\n", r.sensor, r.column,
+                         formula(r.value, program.slot_names));
+  std::vector<std::string> circumstances;
+  for (const Reading& r : program.readings)
+    if (r.covariate) {  // the load of a joint has many columns
+      const bool load = r.column.starts_with("load:");
+      const std::string name =
+          load ? "load of " + r.column.substr(5, r.column.find_last_of('.') - 5) : r.column;
+      if (std::find(circumstances.begin(), circumstances.end(), name) == circumstances.end())
+        circumstances.push_back(name);
+    }
+  if (!circumstances.empty()) out += fmt::format("Circumstances: {}\n", join(circumstances));
   if (!program.unknowns.empty()) out += "Unknowns\n";
   for (const Unknown& u : program.unknowns)
     out += fmt::format("  {:<14} per {}\n", u.name, u.per.empty() ? "pose" : join(u.per));
@@ -96,7 +108,7 @@ void run(const std::string& model_file, const std::string& recordings_file,
   fmt::print("{}\n{}{}", program.name, chain_text(program), axes_text(program));
   if (recordings_file.empty()) return;
   const Measured measured = open_recordings(program, recordings_file, points_file);
-  const Recordings& recordings = measured.recordings;
+  const Recordings recordings = with_derived(program, measured.recordings);
   fmt::print("{}", probing_text(program, measured));
   std::vector<std::size_t> rows(recordings.rows());
   for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = k;

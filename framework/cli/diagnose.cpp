@@ -6,6 +6,7 @@
 #include <chrono>
 #include <filesystem>
 
+#include "framework/calibration/circumstances.h"
 #include "framework/cli/commands.h"
 #include "framework/dsl/dsl.h"
 #include "framework/report/diagnosis_report.h"
@@ -57,7 +58,7 @@ void run(Options& o) {
   const Model model = open_model(o.model, registry, o.common);
   const Program program = compile(model, registry);
   const Measured measured = open_recordings(program, o.recordings, o.points);
-  const Recordings& recordings = measured.recordings;
+  const Recordings recordings = with_derived(program, measured.recordings);
   const Split split =
       split_rows(recordings, split_options(program, recordings, o.check, o.groups, o.common.seed));
   for (const std::string& tag : o.only)
@@ -76,7 +77,7 @@ void run(Options& o) {
   advice_options.seed = o.common.seed;
   advice_options.poses = o.next_count;
   advice_options.progress = o.diagnosis.progress;
-  const Advice advice = advise(model, registry, recordings, split, d, advice_options);
+  const Advice advice = advise(model, registry, d, advice_options);
   if (!o.common.quiet && isatty(2)) fmt::print(stderr, "\r\x1b[K");
 
   DiagnosisFiles files;

@@ -55,8 +55,9 @@ void check_pose(int pose, std::size_t count, const std::string& word) {
 // A linkage whose readings are recorded is shown where they say; otherwise it must reach what was
 // measured. What was found, and what could not be, is told.
 Settings coordinates_of(Program& program, const Recordings& recordings, const Options& o) {
-  const bool sensed = std::all_of(program.readings.begin(), program.readings.end(),
-                                  [&](const Reading& r) { return recordings.find(r.column); });
+  const bool sensed =
+      std::all_of(program.readings.begin(), program.readings.end(),
+                  [&](const Reading& r) { return r.covariate || recordings.find(r.column); });
   Recovered found = recover(program, recordings, sensed ? Reach::nearest : Reach::exactly,
                             o.common.thread_count());
   std::vector<std::string> still;

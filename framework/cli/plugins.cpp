@@ -3,10 +3,25 @@
 #include <memory>
 
 #include "framework/cli/commands.h"
-#include "framework/model/quantity.h"
 
 namespace talus {
 namespace {
+
+// Units of what is relative to a reading are its own.
+std::string unit_text(const Input& input, const UnitSystem& units) {
+  const std::string text = units.of(input.dimension).text;
+  return input.relative ? "reading" + text.substr(text.starts_with("1")) : text;
+}
+
+std::string acts_text(const EffectTraits& effect) {
+  std::string out = fmt::format("  acts: {}", to_string(effect.acts));
+  std::vector<std::string> needs;
+  for (Covariate c : effect.needs) needs.push_back(to_string(c));
+  if (!needs.empty()) out += fmt::format("; needs {}", join(needs));
+  if (effect.driven != Driven::no) out += "; driver: " + effect.driver_meaning;
+  if (!effect.reference.empty()) out += "; " + effect.reference;
+  return out + "\n";
+}
 
 std::string describe_plugin(const Plugin& plugin) {
   const Declaration& d = plugin.declaration;
@@ -17,12 +32,19 @@ std::string describe_plugin(const Plugin& plugin) {
     out += fmt::format("  reading in {}, value in {}\n", units.of(d.reading).text,
                        units.of(d.value).text);
   for (const Input& i : d.inputs) {
-    const std::string otherwise = i.coordinate ? "coordinate"
-                                  : i.required
-                                      ? "required"
-                                      : shortest(i.otherwise / units.of(i.dimension).factor);
-    out += fmt::format("  {:<12} {:<10} {:<10} {}\n", i.name, units.of(i.dimension).text, otherwise,
-                       i.meaning);
+    if (i.role == Role::borrowed) continue;
+    if (d.effect.unknown && i.role == Role::amount && &i != &d.inputs[0] &&
+        (&i + 1)->role == Role::amount)
+      continue;  // of a curve's many heights, the first and the last
+    const std::string otherwise =
+        i.coordinate ? "coordinate"
+        : i.required ? "required"
+                     : fmt::format("{:.12g}", i.otherwise / units.of(i.dimension).factor);
+    out +=
+        fmt::format("  {:<12} {:<10} {:<10} {}", i.name, unit_text(i, units), otherwise, i.meaning);
+    if (i.role == Role::amount && !i.relative)
+      out += fmt::format("; usual size {:.3g}", i.typical / units.of(i.dimension).factor);
+    out += "\n";
   }
   for (const Choice& c : d.choices)
     out += fmt::format("  {:<12} {:<21} {}\n", c.name, join(c.words, "|"), c.meaning);
@@ -35,6 +57,7 @@ std::string describe_plugin(const Plugin& plugin) {
   }
   if (!d.residuals.empty())
     out += "  residuals, where the model names none: " + join(d.residuals) + "\n";
+  if (d.family == Family::effect) out += acts_text(d.effect);
   if (d.family == Family::residual) {
     std::vector<std::string> kinds;
     for (Kind k : d.kinds) kinds.push_back(to_string(k));

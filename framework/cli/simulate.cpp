@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "framework/calibration/circumstances.h"
 #include "framework/calibration/simulate.h"
 #include "framework/cli/commands.h"
 
@@ -24,8 +25,11 @@ void run(const Options& o) {
   Registry registry = o.common.registry();
   Program program = compile(open_model(o.model, registry, o.common), registry);
   std::optional<Settings> settings = drawn_settings(program, o.poses, o.grid, o.common.seed);
-  if (!settings)
-    settings = settings_from(program, read_recordings(o.poses), o.common.thread_count());
+  if (!settings) {
+    const Recordings table = read_recordings(o.poses);
+    settings =
+        with_circumstances(program, settings_from(program, table, o.common.thread_count()), &table);
+  }
   Recordings recordings =
       simulate(program, *settings, {o.common.seed, o.noise, o.common.thread_count()});
   const std::string origin =

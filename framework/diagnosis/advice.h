@@ -49,11 +49,11 @@ struct AdviceOptions {
   std::function<void(const std::string& step, double share)> progress;
 };
 
-Advice advise(const Model& model, const Registry& registry, const Recordings& recordings,
-              const Split& split, const Diagnosis& diagnosis, const AdviceOptions& options = {});
+// `model` is the one that was diagnosed.
+Advice advise(const Model& model, const Registry& registry, const Diagnosis& diagnosis,
+              const AdviceOptions& options = {});
 
-NextRecordings next_recordings(const Ground& ground, const Recordings& recordings,
-                               const Diagnosis& diagnosis, const Seen& seen,
+NextRecordings next_recordings(const Ground& ground, const Diagnosis& diagnosis, const Seen& seen,
                                const AdviceOptions& options);
 
 }  // namespace talus

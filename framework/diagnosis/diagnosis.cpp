@@ -25,11 +25,6 @@ Eigen::VectorXd squares(const Problem::Residuals& r) {
 // "joint3" and "encoder3" are one place where the sensor is the joint's.
 std::string channel(const Accepted& e) { return e.suspect.location; }
 
-Fit fit_of(const Program& program, const Recordings& recordings, const Split& split,
-           FitOptions options) {
-  return calibrate(program, recordings, split, options);
-}
-
 }  // namespace
 
 std::string to_string(Verdict verdict) {
@@ -38,45 +33,137 @@ std::string to_string(Verdict verdict) {
   return names[static_cast<int>(verdict)];
 }
 
-Diagnosis diagnose(const Model& model, const Registry& registry, const Recordings& recordings,
-                   const Split& split, const DiagnosisOptions& options) {
-  const auto begin = std::chrono::steady_clock::now();
-  Diagnosis d;
-  auto progress = [&](const std::string& step, double share) {
-    if (options.progress) options.progress(step, share);
-  };
-  progress("calibrating", 0);
-  auto program = std::make_shared<Program>(compile(model, registry));
-  d.program = program;
-  d.baseline = fit_of(*program, recordings, split, options.fit);
-  d.extended_model = model;
+namespace {
 
-  const Recordings known = with_circumstances(model, registry, *program, recordings, d.baseline.x);
-  Ground ground{&model, &registry, &known, split.fit, options.fit.threads};
-  const Trial null = trial_of(ground, d.baseline);
-  SearchOptions search_options = options.search;
-  search_options.progress = options.progress;
-  d.search = search(ground, null, search_options);
-  const Search& found = d.search;
+// One diagnosis in the making.
+class Diagnoser {
+ public:
+  Diagnoser(const Model& model, const Registry& registry, const Recordings& recordings,
+            const Split& split, const DiagnosisOptions& options)
+      : model_(model),
+        registry_(registry),
+        options_(options),
+        recordings_(recordings),
+        split_(split) {}
 
-  // What was found, before any row held out was looked at.
-  const double poses = static_cast<double>(std::max<std::size_t>(1, split.fit.size()));
-  const double gain = null.cost2 - found.best.cost2;
-  const bool claimed =
-      !found.best.effects.empty() && std::sqrt(std::max(0.0, gain) / poses) > kNoticeable;
-  std::vector<Finding> findings;
-  for (std::size_t i = 0; i < found.best.effects.size(); ++i) {
-    const Accepted& e = found.best.effects[i];
-    const Member& m = found.members[i];
+  Diagnosis run() {
+    const auto begin = std::chrono::steady_clock::now();
+    progress("calibrating", 0);
+    auto program = std::make_shared<Program>(compile(model_, registry_));
+    d_.program = program;
+    d_.extended_model = model_;
+    ordinary();
+    seek();
+    if (reexamine()) seek();  // blunders that the physics found has uncovered, or acquitted
+    findings();
+    progress("judging", 0.9);
+    judge();
+    verdict();
+    d_.recordings = std::move(recordings_), d_.split = std::move(split_);
+    d_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return std::move(d_);
+  }
+
+ private:
+  void progress(const std::string& step, double share) const {
+    if (options_.progress) options_.progress(step, share);
+  }
+
+  // Faults of columns and rows, then blunders.
+  void ordinary() {
+    std::optional<Fit> fit;
+    try {
+      fit = calibrate(*d_.program, recordings_, split_, options_.fit);
+      d_.baseline = *fit;
+    } catch (const InputError&) {
+      // Perhaps a fault of a column; if none is found it is thrown again below.
+    }
+    FaultOptions fault_options;
+    fault_options.threads = options_.fit.threads;
+    fault_options.seed = options_.fit.seed;
+    Faults faults =
+        find_faults(*d_.program, recordings_, split_, fit ? &*fit : nullptr, fault_options);
+    d_.faults = faults.found;
+    bool changed = faults.corrected || !faults.left_out.empty();
+    if (faults.corrected) recordings_ = std::move(faults.recordings);
+    std::erase_if(split_.fit, [&](std::size_t row) {
+      return std::find(faults.left_out.begin(), faults.left_out.end(), row) !=
+             faults.left_out.end();
+    });
+    if (!fit || changed) clean_ = calibrate(*d_.program, recordings_, split_, options_.fit);
+    if (!fit) d_.baseline = clean_;
+    if (fit && !changed) clean_ = *fit;
+    whole_ = split_;
+    d_.outliers = find_outliers(*d_.program, recordings_, whole_, clean_.x, outlier_options());
+    if (!d_.outliers.found.empty()) leave_out(), changed = true;
+    if (changed) d_.clean = clean_;
+  }
+
+  OutlierOptions outlier_options() const {
+    OutlierOptions o;
+    o.threads = options_.fit.threads;
+    o.seed = options_.fit.seed;
+    return o;
+  }
+
+  void leave_out() {
+    split_ = whole_;
+    split_.fit = d_.outliers.keep(whole_.fit);
+    split_.check = d_.outliers.keep(whole_.check);
+    clean_ = calibrate(*d_.program, recordings_, split_, options_.fit);
+    d_.clean = clean_;
+  }
+
+  void seek() {
+    known_ = with_circumstances(model_, registry_, *d_.program, recordings_, clean_.x);
+    ground_ = {&model_, &registry_, &known_, split_.fit, options_.fit.threads};
+    SearchOptions search_options = options_.search;
+    search_options.progress = options_.progress;
+    d_.search = search(ground_, trial_of(ground_, clean_), search_options);
+  }
+
+  // With the physics found, are these still the blunders? True where others are.
+  bool reexamine() {
+    const Trial& best = d_.search.best;
+    if (best.effects.empty()) return false;
+    std::vector<double> x;
+    for (const Parameter& p : best.program->parameters) x.push_back(best.values.at(p.name));
+    for (const FittedValue& v : clean_.shared) x.push_back(best.values.at(v.name));
+    Outliers again = find_outliers(*best.program, known_, whole_, x, outlier_options());
+    auto rows = [](const Outliers& o) {
+      std::vector<std::size_t> r;
+      for (const Outlier& one : o.found) r.push_back(one.row);
+      return r;
+    };
+    if (rows(again) == rows(d_.outliers)) {
+      d_.outliers = std::move(again);
+      return false;
+    }
+    d_.outliers = std::move(again);
+    leave_out();
+    return true;
+  }
+
+  // What was found, before any row held out is looked at.
+  void findings() {
+    const Search& found = d_.search;
+    const double poses = static_cast<double>(std::max<std::size_t>(1, split_.fit.size()));
+    const double gain = found.null.cost2 - found.best.cost2;
+    claimed_ = !found.best.effects.empty() && std::sqrt(std::max(0.0, gain) / poses) > kNoticeable;
+    for (std::size_t i = 0; i < found.best.effects.size(); ++i)
+      (claimed_ ? d_.findings : d_.hints)
+          .push_back(finding(found.best.effects[i], found.members[i], poses));
+  }
+
+  Finding finding(const Accepted& e, const Member& m, double poses) const {
     Finding f;
     f.accepted = e;
     f.effect = e.suspect.effect, f.location = e.suspect.location;
     f.driver = e.way.driver;
-    f.parameters = shown_values(e, program->units);
+    f.parameters = shown_values(e, d_.program->units);
     f.delta_chi2 = m.gain;
-    f.delta_bic =
-        m.gain - static_cast<double>(e.amounts.size()) *
-                     std::log(std::max<double>(2, static_cast<double>(d.baseline.rows_fit)));
+    f.delta_bic = m.gain - static_cast<double>(e.amounts.size()) *
+                               std::log(std::max<double>(2, static_cast<double>(clean_.rows_fit)));
     f.p_value = m.gate.family_p;
     f.sigmas = std::sqrt(std::max(0.0, m.gain) / poses);
     for (const Alternative& a : m.alternatives) {
@@ -86,71 +173,94 @@ Diagnosis diagnose(const Model& model, const Registry& registry, const Recording
       else if (a.probability > 1e-4)
         f.rivals.push_back({s.effect, s.location, a.probability});
     }
-    findings.push_back(std::move(f));
-  }
-  if (claimed)
-    d.findings = std::move(findings);
-  else
-    d.hints = std::move(findings);
-
-  progress("judging", 0.9);
-  d.after = d.baseline;
-  d.program_after = program;
-  if (!found.best.effects.empty() && claimed) {
-    const Model whole = extended(model, found.best.effects, program->units);
-    auto after = std::make_shared<Program>(compile(whole, registry));
-    FitOptions fit_options = options.fit;
-    fit_options.restarts = 0;
-    for (const Parameter& p : after->parameters)
-      fit_options.start.push_back(found.best.values.at(p.name));
-    for (const FittedValue& v : d.baseline.shared)
-      fit_options.start.push_back(found.best.values.at(v.name));
-    d.after = fit_of(*after, known, split, fit_options);
-    d.extended_model = whole;
-    d.program_after = std::move(after);
-  }
-  const Eigen::VectorXd before = squares(d.baseline.residuals_check),
-                        after = squares(d.after.residuals_check);
-  if (before.size() == after.size() && before.size() > 0) {
-    const double rows =
-        before.sum() / std::pow(d.baseline.heldout_rms, 2) / static_cast<double>(before.size());
-    d.heldout = held_out(before, after, rows, options.fit.seed);
-  }
-  for (Finding& f : d.findings) {
-    f.heldout_before = d.baseline.heldout_rms;
-    f.heldout_after = d.after.heldout_rms;
+    return f;
   }
 
-  // The verdict.
-  const bool misfit =
-      d.baseline.noise_known && d.baseline.chi2_p < 1e-4 && d.baseline.noise_scale > 1.1;
-  if (d.findings.empty()) {
-    d.verdict = misfit ? Verdict::bad_data : Verdict::nothing_missing;
-    d.statement =
-        misfit ? fmt::format("Noise is {:.2g} times larger than stated, and nothing else is seen.",
-                             d.baseline.noise_scale)
-               : "Nothing is missing that these recordings could show.";
-  } else {
+  // The extended model as a calibration, with the rows held out.
+  void judge() {
+    d_.after = clean_;
+    d_.program_after = d_.program;
+    if (claimed_) {
+      const Trial& best = d_.search.best;
+      d_.extended_model = extended(model_, best.effects, d_.program->units);
+      auto after = std::make_shared<Program>(compile(d_.extended_model, registry_));
+      FitOptions fit_options = options_.fit;
+      fit_options.restarts = 0;
+      for (const Parameter& p : after->parameters)
+        fit_options.start.push_back(best.values.at(p.name));
+      for (const FittedValue& v : clean_.shared)
+        fit_options.start.push_back(best.values.at(v.name));
+      d_.after = calibrate(*after, known_, split_, fit_options);
+      d_.program_after = std::move(after);
+    }
+    const Eigen::VectorXd before = squares(clean_.residuals_check),
+                          after = squares(d_.after.residuals_check);
+    if (before.size() == after.size() && before.size() > 0) {
+      const double rows =
+          before.sum() / std::pow(clean_.heldout_rms, 2) / static_cast<double>(before.size());
+      d_.heldout = held_out(before, after, rows, options_.fit.seed);
+    }
+    for (Finding& f : d_.findings) {
+      f.heldout_before = clean_.heldout_rms;
+      f.heldout_after = d_.after.heldout_rms;
+    }
+    FaultOptions fault_options;
+    fault_options.threads = options_.fit.threads;
+    fault_options.seed = options_.fit.seed;
+    d_.noise = judge_noise(*d_.program_after, known_, split_.fit, d_.after.x, fault_options);
+    d_.faults.insert(d_.faults.end(), d_.noise.faults.begin(), d_.noise.faults.end());
+  }
+
+  void verdict() {
+    const bool faulty =
+        !d_.outliers.found.empty() ||
+        std::any_of(d_.faults.begin(), d_.faults.end(), [](const Fault& f) { return !f.note; });
+    std::vector<std::string> words;
+    for (const Fault& f : d_.faults)
+      if (!f.note) words.push_back(f.statement);
+    if (!d_.outliers.found.empty()) words.push_back(d_.outliers.statement);
+    if (d_.findings.empty()) {
+      d_.verdict = faulty ? Verdict::bad_data : Verdict::nothing_missing;
+      d_.statement = faulty ? join(words, " ") + " Nothing else is seen."
+                            : "Nothing is missing that these recordings could show.";
+      return;
+    }
     bool unknown = false, sure = true;
-    for (const Finding& f : d.findings) {
+    std::vector<std::string> found;
+    for (Finding& f : d_.findings) {
       unknown |= f.effect == "unknown";
       sure &= f.probability >= kSure;
-      for (const Finding& other : d.findings)
+      for (const Finding& other : d_.findings)
         unknown |= &f != &other && channel(f.accepted) == channel(other.accepted);
-    }
-    d.verdict = unknown ? Verdict::unknown_physics : sure ? Verdict::explained : Verdict::ambiguous;
-    std::vector<std::string> words;
-    for (Finding& f : d.findings) {
       f.statement =
           fmt::format("{} at {} (probability {:.2f})", f.effect, f.location, f.probability);
-      words.push_back(f.statement);
+      found.push_back(f.statement);
     }
-    d.statement =
-        join(words, " and ") + fmt::format("; rows held out: {:.3g} sigmas instead of {:.3g}.",
-                                           d.after.heldout_rms, d.baseline.heldout_rms);
+    d_.verdict = unknown ? Verdict::unknown_physics
+                 : sure  ? Verdict::explained
+                         : Verdict::ambiguous;
+    d_.statement =
+        join(found, " and ") + fmt::format("; rows held out: {:.3g} sigmas instead of {:.3g}.",
+                                           d_.after.heldout_rms, clean_.heldout_rms);
+    if (!words.empty()) d_.statement += " " + join(words, " ");
   }
-  d.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  return d;
+
+  const Model& model_;
+  const Registry& registry_;
+  const DiagnosisOptions& options_;
+  Recordings recordings_, known_;  // corrected; with covariates and loads
+  Split split_, whole_;            // without blunders; with them
+  Fit clean_;                      // the model as it was given, to what is right in the recordings
+  Ground ground_;
+  bool claimed_ = false;
+  Diagnosis d_;
+};
+
+}  // namespace
+
+Diagnosis diagnose(const Model& model, const Registry& registry, const Recordings& recordings,
+                   const Split& split, const DiagnosisOptions& options) {
+  return Diagnoser(model, registry, recordings, split, options).run();
 }
 
 }  // namespace talus

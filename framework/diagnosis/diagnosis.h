@@ -9,7 +9,7 @@
 #include <functional>
 
 #include "framework/diagnosis/evidence.h"
-#include "framework/diagnosis/faults.h"
+#include "framework/diagnosis/noise.h"
 #include "framework/diagnosis/outliers.h"
 #include "framework/diagnosis/search.h"
 #include "framework/diagnosis/shown.h"
@@ -46,9 +46,13 @@ struct Diagnosis {
   Fit baseline, after;  // after is that of the extended model; the baseline where nothing was found
   std::shared_ptr<const Program> program, program_after;
   Model extended_model;  // as it was given, where nothing was found
+  std::vector<Fault> faults;
+  Outliers outliers;
+  std::optional<Fit> clean;  // the baseline without faults and blunders, where there were any
+  NoiseVerdict noise;        // of what is left after all
+  Recordings recordings;     // as they were judged: faults corrected
+  Split split;               // without copies and blunders
   HeldOut heldout;
-  std::vector<Fault> faults;      // of the table, ruled out before any physics
-  std::vector<Outlier> outliers;  // poses that are simply wrong
   Search search;
   std::vector<std::string> warnings;
   double seconds = 0;
@@ -59,6 +63,9 @@ struct DiagnosisOptions {
   SearchOptions search;
   std::function<void(const std::string& step, double share)> progress;
 };
+
+// The fit of the model as given to the recordings as they were judged.
+inline const Fit& fit_before(const Diagnosis& d) { return d.clean ? *d.clean : d.baseline; }
 
 Diagnosis diagnose(const Model& model, const Registry& registry, const Recordings& recordings,
                    const Split& split, const DiagnosisOptions& options = {});

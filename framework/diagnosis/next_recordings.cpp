@@ -308,14 +308,14 @@ class Chooser {
 
 }  // namespace
 
-NextRecordings next_recordings(const Ground& ground, const Recordings& recordings,
-                               const Diagnosis& diagnosis, const Seen& seen,
+NextRecordings next_recordings(const Ground& ground, const Diagnosis& diagnosis, const Seen& seen,
                                const AdviceOptions& options) {
   NextRecordings none;
   if (options.pool <= 0 || options.poses <= 0) return none;
   try {
-    const Pool pool = pool_of(ground, recordings, diagnosis.search.null, diagnosis.baseline.x,
-                              options.pool, options.seed, options.suspects);
+    const Pool pool =
+        pool_of(ground, diagnosis.recordings, diagnosis.search.null, fit_before(diagnosis).x,
+                options.pool, options.seed, options.suspects);
     if (pool.poses.empty()) {
       none.statement = "No next poses: none within the ranges of the sensors can be simulated.";
       return none;

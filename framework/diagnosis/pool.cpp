@@ -146,6 +146,7 @@ class Maker {
     if (seen.empty()) return std::nan("");
     if (c.name == "pose") return *std::max_element(seen.begin(), seen.end()) + 1;
     if (c.name == "time") return *std::max_element(seen.begin(), seen.end()) + kStep;
+    if (c.name.starts_with("rate:")) return 0;
     if (c.name.starts_with("approach_")) return random_() % 2 ? 1 : -1;
     for (const Payload& p : program_.payloads)
       if (p.column == c.name) {

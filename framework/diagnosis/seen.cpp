@@ -35,8 +35,7 @@ ShownValue magnitude_of(const Suspect& suspect, const Way& way, double times,
 
 }  // namespace
 
-Seen seen(const Diagnosis& diagnosis, const Linearised& null, const Recordings& recordings,
-          int threads) {
+Seen seen(const Diagnosis& diagnosis, const Linearised& null, int threads) {
   const Stage& stage = *diagnosis.search.stage;
   const UnitSystem& units = diagnosis.program->units;
   SensitivityOptions options;
@@ -72,8 +71,8 @@ Seen seen(const Diagnosis& diagnosis, const Linearised& null, const Recordings& 
     result.twins.emplace_back();
     for (const int i : group) result.twins.back().push_back(of[i]);
   }
-  result.blind = blind_spots(result, *diagnosis.program, null, recordings, options.log_threshold,
-                             stage.screen.inside().noise);
+  result.blind = blind_spots(result, *diagnosis.program, null, diagnosis.recordings,
+                             options.log_threshold, stage.screen.inside().noise);
   return result;
 }
 

@@ -42,7 +42,6 @@ struct Seen {
 };
 
 // `null` is the linear problem of the model without effects that Search::stage was made from.
-Seen seen(const Diagnosis& diagnosis, const Linearised& null, const Recordings& recordings,
-          int threads = 1);
+Seen seen(const Diagnosis& diagnosis, const Linearised& null, int threads = 1);
 
 }  // namespace talus

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "framework/dsl/lua_effect.h"
 #include "framework/dsl/lua_plugin.h"
 #include "framework/dsl/lua_sandbox.h"
 #include "framework/dsl/lua_traced.h"
@@ -20,6 +21,7 @@ struct Call {
   const Expr* reading = nullptr;
   const Rigid<Expr>* model = nullptr;
   const Observed<Expr>* measured = nullptr;
+  const Around<Expr>* around = nullptr;
   Expr value = {};
   Rigid<Expr> transform = {};
   std::vector<Expr> rows = {};
@@ -119,6 +121,11 @@ void take_rows(lua_State* L, Call& call) {
   }
 }
 
+void take_act(lua_State* L, Call& call) {
+  guard(L, [&] { call.rows.assign(parts_of(call.declaration.effect.acts), Expr(0)); });
+  if (const char* expected = read_act(L, call.rows)) wrong_result(L, call, expected);
+}
+
 // Runs protected; `data` is the Call.
 int perform(lua_State* L) {
   Call& call = *static_cast<Call*>(lua_touserdata(L, 1));
@@ -141,6 +148,10 @@ int perform(lua_State* L) {
     push_measured(L, *call.measured);
     arguments += 2;
   }
+  if (call.around) {
+    push_around(L, *call.around, call.declaration.effect);
+    ++arguments;
+  }
   push_inputs(L, call);
   lua_call(L, arguments, 1);
   if (family == Family::joint) {
@@ -149,6 +160,8 @@ int perform(lua_State* L) {
     guard(L, [&] { call.transform = *result; });
   } else if (family == Family::sensor) {
     if (!to_expr(L, -1, call.value)) wrong_result(L, call, "a number such as p.slope * reading");
+  } else if (family == Family::effect) {
+    take_act(L, call);
   } else {
     take_rows(L, call);
   }
@@ -191,6 +204,14 @@ void bind_lua(Plugin& plugin, LuaSandbox& sandbox, int definition) {
         Call call{bound->declaration, bound->definition, in, ch, &reading};
         bound->run(call);
         return call.value;
+      };
+      break;
+    case Family::effect:
+      plugin.act = [bound](const Around<Expr>& around, In in, Ch ch) {
+        Call call{
+            bound->declaration, bound->definition, in, ch, nullptr, nullptr, nullptr, &around};
+        bound->run(call);
+        return std::move(call.rows);
       };
       break;
     default:

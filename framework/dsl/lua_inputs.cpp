@@ -11,7 +11,7 @@
 namespace talus::lua {
 namespace {
 
-constexpr lua_Unsigned longest_text = 100;
+constexpr lua_Unsigned longest_text = 100, most_tries = 1000;
 
 // A dimension in Lua: user data that can be called.
 struct DimensionSpec {
@@ -72,6 +72,25 @@ InputSpec* push_input(lua_State* L, int meaning) {
   return input;
 }
 
+// The number at `index`: in the dimension's own unit, or text with a unit.
+double number_argument(lua_State* L, const DimensionSpec& d, int index) {
+  if (lua_type(L, index) != LUA_TSTRING) return d.factor * luaL_checknumber(L, index) + d.offset;
+  const char* text = lua_tostring(L, index);
+  if (lua_rawlen(L, index) > longest_text) refuse(L, "the default is too long");
+  double value = 0;
+  guard(L, [&] {
+    UnitSystem internal;
+    internal.angle = {"rad", angle, 1, 0};
+    const Place place = LuaSandbox::of(L).place(L);
+    const Quantity q = parse_quantity(text, d.dimension, internal, place);
+    if (q.free || q.bounds)
+      throw InputError(place, fmt::format("the default '{}' has a tolerance or bounds", text),
+                       "a fixed number; tolerances are given by models");
+    value = q.value;
+  });
+  return value;
+}
+
 // length(0, "meaning"), length("3 mm"), length() -- or the element length { ... }.
 int call_dimension(lua_State* L) {
   const DimensionSpec d = dimension_argument(L);
@@ -86,24 +105,8 @@ int call_dimension(lua_State* L) {
     lua_remove(L, 1);
     return construct(L, d.name);
   }
-  double otherwise = 0;
   const bool required = lua_isnoneornil(L, 2);
-  if (lua_type(L, 2) == LUA_TSTRING) {
-    const char* text = lua_tostring(L, 2);
-    if (lua_rawlen(L, 2) > longest_text) refuse(L, "the default is too long");
-    guard(L, [&] {
-      UnitSystem internal;
-      internal.angle = {"rad", angle, 1, 0};
-      const Place place = LuaSandbox::of(L).place(L);
-      const Quantity q = parse_quantity(text, d.dimension, internal, place);
-      if (q.free || q.bounds)
-        throw InputError(place, fmt::format("the default '{}' has a tolerance or bounds", text),
-                         "a fixed number; tolerances are given by models");
-      otherwise = q.value;
-    });
-  } else if (!required) {
-    otherwise = d.factor * luaL_checknumber(L, 2) + d.offset;
-  }
+  const double otherwise = required ? 0 : number_argument(L, d, 2);
   InputSpec* input = push_input(L, 3);
   input->dimension = d.dimension;
   input->required = required;
@@ -125,6 +128,49 @@ int choice(lua_State* L) {
   input->choice = true;
   lua_pushvalue(L, 1);
   lua_setiuservalue(L, -2, 2);
+  return 1;
+}
+
+// amount(angle, "0.02 deg", "meaning"): of effects, with its usual size.
+int amount(lua_State* L) {
+  const DimensionSpec d = dimension_argument(L);
+  const double typical = lua_isnoneornil(L, 2) ? 0 : number_argument(L, d, 2);
+  if (!(typical > 0))
+    refuse(L, "an amount needs its usual size, above zero",
+           "amount(angle, \"0.02 deg\", \"meaning\")");
+  InputSpec* input = push_input(L, 3);
+  input->dimension = d.dimension;
+  input->role = Role::amount;
+  input->typical = typical;
+  return 1;
+}
+
+// setting(number, 8, { 6, 12 }, "meaning"), setting(number, 8, "meaning")
+int setting(lua_State* L) {
+  const DimensionSpec d = dimension_argument(L);
+  const double otherwise = number_argument(L, d, 2);
+  const bool tries = lua_istable(L, 3);
+  if (tries) {
+    const lua_Unsigned size = lua_rawlen(L, 3);
+    if (size > most_tries) refuse(L, "a setting has too many values to try", "at most 1000");
+    lua_createtable(L, static_cast<int>(size), 0);
+    for (lua_Unsigned i = 1; i <= size; ++i) {
+      lua_rawgeti(L, 3, static_cast<lua_Integer>(i));
+      const double value = number_argument(L, d, lua_gettop(L));
+      lua_pop(L, 1);
+      lua_pushnumber(L, value);
+      lua_rawseti(L, -2, static_cast<lua_Integer>(i));
+    }
+    lua_replace(L, 3);
+  }
+  InputSpec* input = push_input(L, tries ? 4 : 3);
+  input->dimension = d.dimension;
+  input->otherwise = otherwise;
+  input->role = Role::setting;
+  if (tries) {
+    lua_pushvalue(L, 3);
+    lua_setiuservalue(L, -2, 2);
+  }
   return 1;
 }
 
@@ -175,6 +221,8 @@ void install_inputs(lua_State* L) {
   }
   lua_register(L, "coordinate", coordinate);
   lua_register(L, "choice", choice);
+  lua_register(L, "amount", amount);
+  lua_register(L, "setting", setting);
   lua_register(L, "unit", unit);
 }
 

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 
 #include "framework/dsl/grammar.h"
+#include "framework/dsl/lua_effect.h"
 #include "framework/dsl/lua_sandbox.h"
 #include "framework/registry/registry.h"
 
@@ -29,6 +31,7 @@ class DefinitionReader {
     d_.tag = tag;
     d_.lua = true;
     if (family == Family::residual) d_.kinds = {Kind::frame};
+    if (family == Family::effect) traits_ = std::make_unique<LuaEffect>(L, table, d_, place_);
   }
 
   Declaration read() {
@@ -51,6 +54,7 @@ class DefinitionReader {
     if (d_.summary.empty()) d_.summary = to_string(d_.family) + " defined in " + place_.file;
     if (d_.family == Family::residual && d_.columns.empty())
       fail("no rows are declared", "rows = { \"x\", length, \"y\", length }");
+    if (traits_) traits_->finish();
     if (!has_function_)
       fail(fmt::format("there is no {}", function()),
            fmt::format("{} = function(...) ... end", function()));
@@ -80,6 +84,8 @@ class DefinitionReader {
       rows();
     else if (d_.family == Family::residual && name == "of")
       kinds();
+    else if (traits_ && traits_->field(name))
+      return;
     else if (dimension_at(L_, -1))
       fail(fmt::format("'{}' is a dimension without a default", name),
            fmt::format("{} = length(0), {} = length() where it must be given, or the like", name,
@@ -92,8 +98,12 @@ class DefinitionReader {
     Words known{"summary", function()};
     if (d_.family == Family::sensor) known.insert(known.end(), {"reading", "gives"});
     if (d_.family == Family::residual) known.insert(known.end(), {"of", "rows"});
+    if (traits_) known.insert(known.end(), LuaEffect::fields().begin(), LuaEffect::fields().end());
     fail(fmt::format("'{}' is a {}", name, luaL_typename(L_, -1)),
-         "an input such as length(0), or one of: " + join(known), nearest(name, known));
+         fmt::format("an input such as {}, or one of: ",
+                     traits_ ? "amount(angle, \"0.02 deg\")" : "length(0)") +
+             join(known),
+         nearest(name, known));
   }
 
   Dimension dimension(const std::string& what) const {
@@ -155,6 +165,12 @@ class DefinitionReader {
     if (is_reserved(name, d_.family))
       fail(fmt::format("'{}' is an attribute of every {}", name, to_string(d_.family)),
            "another name for this input");
+    if (!input.choice && (input.role == Role::plain) == (d_.family == Family::effect))
+      fail(fmt::format("'{}' is {}", name,
+                       traits_ ? "neither an amount nor a setting" : "an amount or a setting"),
+           traits_
+               ? "amount(angle, \"0.02 deg\"), zero where nothing is wrong, or setting(number, 8)"
+               : "length(0) or the like; amounts are those of effects");
     lua_getiuservalue(L_, -1, 1);
     std::string meaning = text_at(L_, -1);
     lua_pop(L_, 1);
@@ -168,6 +184,14 @@ class DefinitionReader {
         fail(fmt::format("the choice '{}' needs its words", name),
              "choice({\"one\", \"two\"}, \"meaning\")");
       d_.choice(name, words, meaning);
+    } else if (input.role == Role::amount) {
+      d_.amount(name, input.dimension, input.typical, meaning);
+    } else if (input.role == Role::setting) {
+      std::vector<double> tries;
+      lua_getiuservalue(L_, -1, 2);
+      if (lua_istable(L_, -1)) each(name, [&] { tries.push_back(lua_tonumber(L_, -1)); });
+      lua_pop(L_, 1);
+      d_.setting(name, input.dimension, input.otherwise, tries, meaning);
     } else if (input.coordinate) {
       d_.coordinate(name, input.dimension, meaning);
     } else if (input.required) {
@@ -182,6 +206,7 @@ class DefinitionReader {
   Place place_;
   Declaration d_;
   bool has_function_ = false;
+  std::unique_ptr<LuaEffect> traits_;  // of effects
 };
 
 // Adds the plugin to the registry; what the registry refuses is said with the line.
@@ -225,7 +250,7 @@ int define(lua_State* L) {  // upvalues: the family, the tag
 int name_definition(lua_State* L) {  // upvalue: the family
   if (lua_type(L, 1) != LUA_TSTRING)
     refuse(L, "a plugin's definition begins without its tag",
-           "joint \"tag\" { ... }, likewise sensor and residual");
+           "joint \"tag\" { ... }, likewise sensor, residual and effect");
   lua_rawgeti(L, LUA_REGISTRYINDEX, LUA_RIDX_GLOBALS);
   lua_pushvalue(L, 1);
   if (lua_rawget(L, -2) != LUA_TNIL && !lua_iscfunction(L, -1))
@@ -240,8 +265,10 @@ int name_definition(lua_State* L) {  // upvalue: the family
 
 void install_definitions(lua_State* L) {
   install_inputs(L);
-  static constexpr std::pair<const char*, Family> families[] = {
-      {"joint", Family::joint}, {"sensor", Family::sensor}, {"residual", Family::residual}};
+  static constexpr std::pair<const char*, Family> families[] = {{"joint", Family::joint},
+                                                                {"sensor", Family::sensor},
+                                                                {"residual", Family::residual},
+                                                                {"effect", Family::effect}};
   for (const auto& [name, family] : families) {
     lua_pushinteger(L, static_cast<int>(family));
     lua_pushcclosure(L, &name_definition, 1);

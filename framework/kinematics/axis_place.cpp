@@ -88,7 +88,7 @@ Rigid<Expr> onto_axis(const Program& program, const Motion<Expr>& motion, int sl
 
 std::vector<bool> coordinate_slots(const Program& program) {
   std::vector<bool> result(program.slots);
-  for (const Reading& r : program.readings) result[r.slot] = true;
+  for (const Reading& r : program.readings) result[r.slot] = !r.covariate;
   for (const Unknown& u : program.unknowns) result[u.slot] = u.per.empty();
   return result;
 }

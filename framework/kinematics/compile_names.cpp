@@ -228,11 +228,13 @@ void Compiler::sensor(const Element& element) {
   at.column = reading.column;
   at.joint = joint_of(element.name());
   for (std::size_t i = 0; i < own.size(); ++i) at.inputs[d.inputs[i].name] = own[i];
-  const Expr corrected =
-      leaf(reading.slot) + corrections(at, {element.name(), at.joint, "measurement"})[0];
-  reading.value = plugin.value(corrected, own, choices(element, d));
-  known_[element.name()] = {reading.value, d.value};
+  const std::size_t index = program_.readings.size();  // circumstances of its effects follow it
+  const Expr raw = leaf(reading.slot);
   program_.readings.push_back(std::move(reading));
+  const Expr corrected = raw + corrections(at, {element.name(), at.joint, "measurement"})[0];
+  const Expr value = plugin.value(corrected, own, choices(element, d));
+  program_.readings[index].value = value;
+  known_[element.name()] = {value, d.value};
 }
 
 void Compiler::unknown(const Element& element) {

@@ -65,6 +65,15 @@ std::vector<double> since(const std::vector<double>& t, const std::vector<double
 
 }  // namespace
 
+bool is_derived(std::string_view column) {
+  return column == "since" || column.starts_with("rate:") || column.starts_with("travel:") ||
+         column.starts_with("load:");
+}
+
+double usual_value(std::string_view covariate) {
+  return covariate == "temperature" ? 20 : covariate == "session" || covariate == "pose" ? 1 : 0;
+}
+
 Recordings with_covariates(const Program& program, Recordings recordings) {
   const std::vector<double> session = values_of(recordings, "session", 1);
   for (const Reading& r : program.readings) {

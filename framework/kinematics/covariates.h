@@ -8,6 +8,8 @@
 //     pose              number of the row, where none was recorded
 #pragma once
 
+#include <string_view>
+
 #include "framework/kinematics/program.h"
 #include "framework/recordings/recordings.h"
 
@@ -15,5 +17,11 @@ namespace talus {
 
 // Adds those of these columns that the program needs and the recordings lack.
 Recordings with_covariates(const Program& program, Recordings recordings);
+
+// Does a column follow from others? Static loads (calibration/load_columns.h) do as well.
+bool is_derived(std::string_view column);
+
+// The value of a covariate of which nothing is known: 20 degC, session 1, pose 1, otherwise zero.
+double usual_value(std::string_view covariate);
 
 }  // namespace talus

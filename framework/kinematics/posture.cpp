@@ -27,10 +27,11 @@ struct Placed {
 Posture::Posture(const Program& program)
     : program_(&program), slots_(program.slots, 0), frames_(program.frames.size()) {
   std::map<int, int> coordinates;  // slot -> number
-  for (const Reading& r : program.readings)
-    coordinates.emplace(r.slot, static_cast<int>(coordinates.size()));
-  for (const Unknown& u : program.unknowns)
-    coordinates.emplace(u.slot, static_cast<int>(coordinates.size()));
+  const int readings = static_cast<int>(program.readings.size());
+  for (int i = 0; i < readings; ++i)
+    if (!program.readings[i].covariate) coordinates.emplace(program.readings[i].slot, i);
+  for (std::size_t i = 0; i < program.unknowns.size(); ++i)
+    coordinates.emplace(program.unknowns[i].slot, readings + static_cast<int>(i));
   std::vector<std::int32_t> nodes;
   auto want = [&](const Expr& e) { nodes.push_back(e.node_on(*program.tape)); };
   std::vector<Placed> placed(program.frames.size());

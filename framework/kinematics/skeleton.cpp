@@ -38,7 +38,7 @@ Skeleton::Skeleton(const Program& program)
       before_(program.frames.size()),
       after_(program.frames.size()),
       centres_(program.frames.size()) {
-  for (const Reading& r : program.readings) coordinate_[r.slot] = true;
+  for (const Reading& r : program.readings) coordinate_[r.slot] = !r.covariate;
   for (const Unknown& u : program.unknowns) coordinate_[u.slot] = u.per.empty();
   std::vector<std::int32_t> nodes;
   std::set<int> ends;  // frames to which something is fastened

@@ -120,15 +120,23 @@ std::string diagnosis_json(const Diagnosis& d, const Advice& advice, const Repor
   for (std::size_t i = 0; i < d.hints.size(); ++i)
     out["hints"].push_back(json_of(d.hints[i], advice.hint_curves, i));
   out["outliers"] = Json::array();
-  for (const Outlier& o : d.outliers) out["outliers"].push_back(o.pose);
+  for (const Outlier& o : d.outliers.found) out["outliers"].push_back(o.pose);
   out["outlier_statements"] = Json::array();
-  for (const Outlier& o : d.outliers) out["outlier_statements"].push_back(o.statement);
+  for (const Outlier& o : d.outliers.found) out["outlier_statements"].push_back(o.statement);
   out["faults"] = Json::array();
   for (const Fault& f : d.faults) {
     out["faults"].push_back({{"kind", f.kind}, {"where", f.where}, {"statement", f.statement}});
     if (!f.poses.empty()) out["faults"].back()["poses"] = f.poses;
     if (f.note) out["faults"].back()["note"] = true;
   }
+  if (d.clean) out["baseline_clean"] = json_of(*d.clean, units);
+  out["noise"] = {{"scale", value(d.noise.scale)},
+                  {"p_value", value(d.noise.p)},
+                  {"kurtosis", value(d.noise.kurtosis)},
+                  {"p_white", value(d.noise.p_white)},
+                  {"correlation", value(d.noise.correlation)},
+                  {"p_even", value(d.noise.p_even)},
+                  {"statement", d.noise.statement}};
   out["sensitivity"] = Json::array();
   for (const SeenSuspect& s : advice.seen.suspects) out["sensitivity"].push_back(json_of(s));
   out["untestable"] = Json::array();

@@ -55,8 +55,9 @@ std::string sensitivity_rows(const std::vector<const SeenSuspect*>& rows) {
 }  // namespace
 
 std::string evidence_table(const Diagnosis& d) {
-  const bool held = !d.baseline.measures_check.empty();
-  const std::vector<Measure>&before = held ? d.baseline.measures_check : d.baseline.measures_fit,
+  const bool held = !fit_before(d).measures_check.empty();
+  const std::vector<Measure>&before =
+            held ? fit_before(d).measures_check : fit_before(d).measures_fit,
         &after = held ? d.after.measures_check : d.after.measures_fit;
   std::string out =
       fmt::format("  {:<12} {:<6} {:>12} {:>12}\n", "measure", "unit", "RMSE before", "RMSE after");
@@ -76,7 +77,7 @@ std::string moved_parameters(const Diagnosis& d, std::size_t most) {
   std::map<std::string, const FittedValue*> after;
   for (const FittedValue& v : d.after.parameters) after[v.name] = &v;
   std::vector<Moved> moved;
-  for (const FittedValue& v : d.baseline.parameters)
+  for (const FittedValue& v : fit_before(d).parameters)
     if (const auto it = after.find(v.name);
         it != after.end() && std::isfinite(v.std) && v.std > 0) {
       const double sigmas = std::abs(it->second->value - v.value) / v.std;

@@ -78,16 +78,17 @@ class Writer {
     if (!d_.faults.empty()) out_ += "\nThe table of recordings\n";
     for (const Fault& f : d_.faults)
       out_ += wrapped(f.statement, f.note ? "  note: " : "  - ", "    ");
-    if (d_.outliers.empty()) return;
-    out_ += fmt::format("\nPoses that are simply wrong ({})\n", d_.outliers.size());
-    for (std::size_t i = 0; i < d_.outliers.size() && (options_.details || i < 5); ++i)
-      out_ += wrapped(d_.outliers[i].statement, "  - ", "    ");
-    if (!options_.details && d_.outliers.size() > 5)
-      out_ += fmt::format("  - and {} more (--details)\n", d_.outliers.size() - 5);
+    const std::vector<Outlier>& wrong = d_.outliers.found;
+    if (wrong.empty()) return;
+    out_ += fmt::format("\nPoses that are simply wrong ({}), left out\n", wrong.size());
+    for (std::size_t i = 0; i < wrong.size() && (options_.details || i < 5); ++i)
+      out_ += wrapped(wrong[i].statement, "  - ", "    ");
+    if (!options_.details && wrong.size() > 5)
+      out_ += fmt::format("  - and {} more (--details)\n", wrong.size() - 5);
   }
 
   void evidence() {
-    const Fit &b = d_.baseline, &a = d_.after;
+    const Fit& b = fit_before(d_);
     out_ += fmt::format("\nEvidence ({} poses fitted, {} held out)\n", b.poses_fit, b.poses_check);
     if (d_.findings.empty()) {
       out_ += wrapped(
@@ -102,13 +103,8 @@ class Writer {
         out_ += wrapped(held, "  ", "  ");
       out_ += evidence_table(d_);
     }
-    if (b.noise_known)
-      out_ += wrapped(fmt::format("What is left {}is {:.3g} times the stated noise (chi-square "
-                                  "{:.5g} on {:.0f} degrees of freedom, p = {:.2g}).",
-                                  d_.findings.empty() ? "" : "with what was found ", a.noise_scale,
-                                  a.chi2, a.dof, a.chi2_p),
-                      "  ", "  ");
-    else
+    if (!d_.noise.statement.empty()) out_ += wrapped(d_.noise.statement, "  ", "  ");
+    if (!b.noise_known)
       out_ += "  The noise is not stated; sigmas are those of what the fit leaves.\n";
   }
 

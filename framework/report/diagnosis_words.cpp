@@ -73,7 +73,22 @@ std::string sentence_of(const HeldOut& h, const Fit& baseline) {
       chance(h.p_value));
 }
 
-std::string sentence_of(const Diagnosis& d) {
+namespace {
+
+// Faults and blunders beside what was found.
+std::string beside(const Diagnosis& d) {
+  std::string text;
+  for (const Fault& f : d.faults)
+    if (!f.note) text += " " + f.statement;
+  const std::size_t wrong = d.outliers.found.size();
+  if (wrong == 1)
+    text += " One pose is simply wrong and was left out.";
+  else if (wrong > 1)
+    text += fmt::format(" {} poses are simply wrong and were left out.", wrong);
+  return text;
+}
+
+std::string verdict_of(const Diagnosis& d) {
   std::vector<std::string> all;
   for (const Finding& f : d.findings) all.push_back(what(f));
   const std::string names = join(all, " and ");
@@ -118,6 +133,12 @@ std::string sentence_of(const Diagnosis& d) {
       return d.statement;
   }
   return d.statement;
+}
+
+}  // namespace
+
+std::string sentence_of(const Diagnosis& d) {
+  return verdict_of(d) + (d.verdict == Verdict::bad_data ? "" : beside(d));
 }
 
 }  // namespace talus

@@ -15,7 +15,7 @@ std::vector<double> resting_pose(const Program& program) {
 
 // Does a reading 360 deg further mean the same place? Then motion goes the short way round.
 static bool turns_round(const Program& program, const Reading& reading) {
-  if (reading.dimension != angle) return false;
+  if (reading.dimension != angle || reading.covariate) return false;
   std::vector<double> slots(program.slots, 0);
   for (const Parameter& p : program.parameters) slots[p.slot] = p.nominal.value;
   const std::int32_t node = reading.value.node_on(*program.tape);

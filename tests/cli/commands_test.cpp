@@ -14,8 +14,8 @@ namespace {
 const std::string arm = shipped("arm-6r/model.xml");
 
 // A folder with recordings of the arm in it.
-struct Recorded : Folder {
-  explicit Recorded(const std::string& model = arm, int poses = 60) {
+struct RecordedFolder : Folder {
+  explicit RecordedFolder(const std::string& model = arm, int poses = 60) {
     const Run run = command(*this, "simulate '" + model + "' --poses " + std::to_string(poses) +
                                        " --recordings poses.csv");
     CAPTURE(run.error);
@@ -30,7 +30,7 @@ bool contains(const std::string& text, const std::string& part) {
 }  // namespace
 
 TEST_CASE("calibrate prints a report and writes the calibrated model, which calibrates again") {
-  const Recorded folder;
+  const RecordedFolder folder;
   const Run run = command(folder, "calibrate '" + arm + "' poses.csv");
   CAPTURE(run.error);
   CHECK(run.code == 0);
@@ -53,14 +53,14 @@ TEST_CASE("calibrate prints a report and writes the calibrated model, which cali
 }
 
 TEST_CASE("a model in Lua is calibrated to a model in Lua") {
-  const Recorded folder;
+  const RecordedFolder folder;
   const Run run = command(folder, "calibrate '" + shipped("arm-6r/model.lua") + "' poses.csv");
   CHECK(run.code == 0);
   CHECK(program_of(folder / "model-calibrated.lua").parameters.size() == 27);
 }
 
 TEST_CASE("exit codes: 0 done, 1 not converged, 2 bad input or usage") {
-  const Recorded folder;
+  const RecordedFolder folder;
   CHECK(command(folder, "--help").code == 0);
   CHECK(command(folder, "--version").code == 0);
   CHECK(command(folder, "check '" + arm + "'").code == 0);
@@ -82,7 +82,7 @@ TEST_CASE("exit codes: 0 done, 1 not converged, 2 bad input or usage") {
 }
 
 TEST_CASE("after bad input nothing is written") {
-  const Recorded folder;
+  const RecordedFolder folder;
   folder.write("short.csv", "pose,theta1[deg]\n1,3\n2,4\n");
   folder.write("broken.csv", "pose,theta1[deg]\n1,three\n");
   folder.write("broken.xml",
@@ -103,7 +103,7 @@ TEST_CASE("after bad input nothing is written") {
 }
 
 TEST_CASE("--json - is the report as JSON, with every key that was promised") {
-  const Recorded folder(shipped("isl-bonny-2013/published.xml"), 65);
+  const RecordedFolder folder(shipped("isl-bonny-2013/published.xml"), 65);
   const Run run = command(folder, "calibrate '" + shipped("isl-bonny-2013/model.xml") +
                                       "' poses.csv --json - --check 0.2");
   CAPTURE(run.error);
@@ -144,7 +144,7 @@ TEST_CASE("--json - is the report as JSON, with every key that was promised") {
 }
 
 TEST_CASE("--json FILE and --quiet") {
-  const Recorded folder;
+  const RecordedFolder folder;
   const Run run =
       command(folder, "calibrate '" + arm + "' poses.csv --quiet --json report.json --out .");
   CHECK(run.code == 0);
@@ -153,7 +153,7 @@ TEST_CASE("--json FILE and --quiet") {
 }
 
 TEST_CASE("--set changes an input, a residual or a parameter") {
-  const Recorded folder(shipped("isl-bonny-2013/model.xml"));
+  const RecordedFolder folder(shipped("isl-bonny-2013/model.xml"));
   const std::string isl =
       "calibrate '" + shipped("isl-bonny-2013/model.xml") + "' poses.csv --json - ";
   auto report = [&](const std::string& arguments) {
@@ -195,7 +195,7 @@ joint "nod" { theta = coordinate(angle), reach = length(0),
 }
 
 TEST_CASE("the output does not depend on the number of threads") {
-  const Recorded folder(shipped("ankle-storey-2006/model.xml"), 900);
+  const RecordedFolder folder(shipped("ankle-storey-2006/model.xml"), 900);
   auto report = [&](const char* threads) {
     const Run run = command(folder, "calibrate '" + shipped("ankle-storey-2006/model.xml") +
                                         "' poses.csv --json - --seed 3 --threads " + threads);

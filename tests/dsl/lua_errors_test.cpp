@@ -34,7 +34,7 @@ const Case elements[] = {
     {"a misspelt attribute",
      "return talus { chain { from = 'B', to = 'E',\n  dh { name = 'j1', alhpa = 90 } } }",
      R"(arm.lua:2:29: <dh> has no attribute 'alhpa'
-  expected one of: name, theta, d, a, alpha, mass, com
+  expected one of: name, theta, d, a, alpha, mass, com, link
   did you mean 'alpha'?)"},
     {"a coordinate left out",
      "local d = 300\nreturn talus { chain { from = 'B', to = 'E', dh { name = 'j1', d = d } } }",

@@ -36,7 +36,7 @@ struct Case {
 const Case cases[] = {
     {"a misspelt attribute", in_chain(R"(<dh name="j1" theta="q" alhpa="90"/>)"),
      R"(arm.xml:3:36: <dh> has no attribute 'alhpa'
-  expected one of: name, theta, d, a, alpha, mass, com
+  expected one of: name, theta, d, a, alpha, mass, com, link
   did you mean 'alpha'?)"},
     {"an attribute nobody knows", beside_chain(R"(<constant name="L" value="3" colour="red"/>)"),
      R"(arm.xml:2:40: <constant> has no attribute 'colour'

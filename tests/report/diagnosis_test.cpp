@@ -31,7 +31,7 @@ TEST_CASE("the text says the verdict first, then the evidence, then what to do")
   CHECK(text.starts_with("EXPLAINED. The model left out encoder eccentricity at encoder1"));
   std::size_t at = 0;
   for (const char* part :
-       {"\nEvidence (", "held out)", "took no part, residuals fall from", "E.x", "stated noise",
+       {"\nEvidence (", "held out)", "took no part, residuals fall from", "E.x", "What is left",
         "\nFinding. At encoder1: encoder eccentricity (scale off its centre, once per turn",
         "amplitude", "±", " deg", "Probability", "\nCalibrated parameters", "in uncertainties",
         "\nWhat would have been seen", "\nWhat no analysis of these recordings can see\n  1. ",

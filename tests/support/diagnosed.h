@@ -45,7 +45,7 @@ inline Diagnosed diagnosed(const std::string& model, Recordings recordings,
   d.diagnosis = diagnose(d.model, d.registry, d.recordings, d.split, options);
   AdviceOptions advice;
   advice.suspects.only = only;
-  d.advice = advise(d.model, d.registry, d.recordings, d.split, d.diagnosis, advice);
+  d.advice = advise(d.model, d.registry, d.diagnosis, advice);
   return d;
 }
 

@@ -6,7 +6,7 @@
 // It checks the declaration (everything explained, units writable and readable), the derivatives of
 // all that the plugin computes, for every combination of its choices and every kind it accepts,
 // against an independent difference in long double, and that an element of it survives writing and
-// reading in both syntaxes.
+// reading in both syntaxes. What is asked of effects besides: effect_check.h.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -18,6 +18,7 @@
 
 #include "framework/registry/registry.h"
 #include "tests/support/derivative_check.h"
+#include "tests/support/effect_check.h"
 #include "tests/support/round_trip_check.h"
 
 namespace talus::testing {
@@ -52,7 +53,8 @@ inline void check_declaration(const Declaration& d) {
     CHECK(names.insert(input.name).second);
     CHECK((!input.coordinate || d.family == Family::joint));
     CHECK((!input.coordinate || input.required));
-    check_units(input.dimension);
+    CHECK((input.role == Role::plain) == (d.family != Family::effect));
+    for (Dimension dimension : dimensions_of(input, d)) check_units(dimension);
   }
   for (const Choice& choice : d.choices) {
     CAPTURE(choice.name);
@@ -72,6 +74,7 @@ inline void check_declaration(const Declaration& d) {
     CHECK(d.freedom > 0);
     CHECK(d.points > 1);
   }
+  if (d.family == Family::effect) check_traits(d);
 }
 
 // ---- what the plugin computes ------------------------------------------------------------------
@@ -158,6 +161,7 @@ inline void check_functions(const Plugin& plugin, const std::vector<int>& choice
     const Vector3<Expr> point{leaves.add(length), leaves.add(length), leaves.add(length)};
     check_derivatives(plugin.deviations(point, leaves.add(length)), leaves, random);
   }
+  if (plugin.act) check_act(plugin, choices, random);
   if (plugin.rows)
     for (Kind kind : d.kinds)
       for (const auto& observe : observations(kind)) {

@@ -1,15 +1,19 @@
 // An element of a plugin, everything given, in a whole model: written and read in both syntaxes.
+// An effect's model is compiled as well, so that it is seen to act at its place.
 #pragma once
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "framework/dsl/dsl.h"
+#include "framework/kinematics/program.h"
 #include "framework/model/quantity.h"
 #include "tests/support/derivative_check.h"
+#include "tests/support/effect_check.h"
 
 namespace talus::testing {
 
@@ -32,9 +36,13 @@ inline Model example_model(const Plugin& plugin, const std::vector<int>& choices
     tested.set("residual", d.tag), tested.set("of", "seen");
   else
     tested.set("name", d.family == Family::feature ? "seen" : "tested");
-  for (const Input& input : d.inputs) {
+  const Dimension corrected = d.family == Family::effect ? corrected_by(d)[0] : number;
+  for (Input input : d.inputs) {
+    if (input.role == Role::borrowed) continue;
+    if (input.relative) input.dimension = input.dimension * corrected;
     Quantity q{
         .value = sensible(random, input), .free = true, .tolerance = between(random, 0.1, 1)};
+    if (input.role == Role::setting) q = {.value = input.otherwise};
     if (!input.coordinate) {
       tested.set(input.name, write_quantity(q, input.dimension, units));
       continue;
@@ -53,6 +61,10 @@ inline Model example_model(const Plugin& plugin, const std::vector<int>& choices
   Element chain = element("chain", {{"from", "B"}, {"to", "E"}});
   if (d.family == Family::joint)
     chain.children.push_back(tested);
+  else if (d.family == Family::effect)
+    chain.children = {
+        element("dh", {{"name", "joint"}, {"theta", "sensed"}, {"d", "40"}, {"a", "300"}}),
+        element("dh", {{"name", "joint2"}, {"theta", "other"}, {"a", "70"}, {"alpha", "80"}})};
   else
     chain.children.push_back(element("dh", {{"name", "joint"}, {"theta", "10 ± 1"}, {"a", "300"}}));
   body.push_back(std::move(chain));
@@ -67,6 +79,22 @@ inline Model example_model(const Plugin& plugin, const std::vector<int>& choices
   }
   if (d.family == Family::shape) {
     tested.set("at", "E"), tested.set("sigma", "0.005"), tested.set("probe", "0, 0, 1; 1, 0, 0");
+    body.push_back(tested);
+  }
+  if (d.family == Family::effect) {
+    const Acts acts = d.effect.acts;
+    if (acts == Acts::reading && !d.effect.everywhere)
+      tested.set("at", "sensed");
+    else if (acts == Acts::coordinate || acts == Acts::axis || acts == Acts::about ||
+             acts == Acts::link)
+      tested.set("at", "joint");
+    if (d.effect.driven != Driven::no) tested.set("driver", "joint2");
+    body.push_back(
+        corrected == length
+            ? element("micrometer_triangle", {{"name", "sensed"}, {"bar1", "60"}, {"bar2", "50"}})
+            : element("encoder", {{"name", "sensed"}}));
+    body.push_back(element("encoder", {{"name", "other"}}));
+    body.push_back(element("frame", {{"name", "seen"}, {"in", "B"}, {"at", "E"}}));
     body.push_back(tested);
   }
   if (d.family == Family::residual) {
@@ -94,6 +122,15 @@ inline void check_round_trip(const Plugin& plugin, const std::vector<int>& choic
   const Model from_lua = read_lua(lua, "example.lua", registry);
   CHECK(same(from_xml.root, model.root));
   CHECK(same(from_lua.root, model.root));
+  if (plugin.declaration.family != Family::effect) return;
+  const Program program = compile(from_xml, registry);
+  for (const Input& input : plugin.declaration.inputs) {
+    const std::string& name = input.name;
+    CAPTURE(name);
+    CHECK(std::count_if(program.parameters.begin(), program.parameters.end(),
+                        [&](const Parameter& p) { return p.attribute == name; }) ==
+          (input.role == Role::amount));
+  }
 }
 
 }  // namespace talus::testing
