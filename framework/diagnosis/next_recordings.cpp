@@ -265,7 +265,10 @@ class Chooser {
     }
     std::size_t at = 0;
     table.columns[at++].values.push_back(static_cast<double>(out_.poses.size() + 1));
-    for (const double v : next.coordinates) table.columns[at++].values.push_back(v);
+    for (const double v : next.coordinates) {  // no more digits than can be set
+      RecordedColumn& c = table.columns[at++];
+      c.values.push_back(c.unit.factor * (std::round(v / c.unit.factor * 1e6) / 1e6));
+    }
     for (; at < table.columns.size(); ++at)
       table.columns[at].values.push_back(
           pool_.recordings.find(table.columns[at].name)->values[next.row]);
