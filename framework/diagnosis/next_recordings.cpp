@@ -5,7 +5,7 @@
 
 #include "framework/diagnosis/advice.h"
 #include "framework/diagnosis/blind_spots.h"
-#include "framework/diagnosis/pool.h"
+#include "framework/diagnosis/next_table.h"
 #include "framework/diagnosis/screen_inside.h"
 #include "framework/diagnosis/tails.h"
 
@@ -205,7 +205,8 @@ class Chooser {
       if (!n.rivals.empty()) words += " from " + join(n.rivals, " and ");
       next.purposes.push_back(std::move(words));
     }
-    copy_row(next);
+    add_to_table(out_.table, *d_.program, pool_, next.coordinates, next.row);
+    next.row = out_.table.rows() - 1;
     out_.poses.push_back(std::move(next));
   }
 
@@ -237,43 +238,6 @@ class Chooser {
       c.columns.bottomRows(p.candidates.rows()) = p.candidates;
     }
     return c;
-  }
-
-  // Readings, unknowns and the circumstances that one can choose.
-  void copy_row(NextPose& next) {
-    Recordings& table = out_.table;
-    const Program& program = *d_.program;
-    if (table.columns.empty()) {
-      auto column = [&](const std::string& name, Dimension dimension) {
-        Unit unit = program.units.of(dimension);
-        if (dimension == number) unit.text.clear();
-        table.columns.push_back({name, unit, {}, {}});
-      };
-      column("pose", number);
-      for (const Coordinate& c : pool_.coordinates) column(c.column, c.dimension);
-      for (const RecordedColumn& c : pool_.recordings.columns) {
-        const bool payload = std::any_of(program.payloads.begin(), program.payloads.end(),
-                                         [&](const Payload& p) { return p.column == c.name; });
-        bool group = false;
-        for (const Unknown& u : program.unknowns)
-          group |= std::find(u.per.begin(), u.per.end(), c.name) != u.per.end();
-        const bool known = std::any_of(table.columns.begin(), table.columns.end(),
-                                       [&](const RecordedColumn& t) { return t.name == c.name; });
-        if ((payload || group || c.name.starts_with("approach_")) && !known)
-          table.columns.push_back({c.name, c.unit, {}, {}});
-      }
-    }
-    std::size_t at = 0;
-    table.columns[at++].values.push_back(static_cast<double>(out_.poses.size() + 1));
-    for (const double v : next.coordinates) {  // no more digits than can be set
-      RecordedColumn& c = table.columns[at++];
-      c.values.push_back(c.unit.factor * (std::round(v / c.unit.factor * 1e6) / 1e6));
-    }
-    for (; at < table.columns.size(); ++at)
-      table.columns[at].values.push_back(
-          pool_.recordings.find(table.columns[at].name)->values[next.row]);
-    table.lines.push_back(static_cast<int>(table.lines.size()) + 2);
-    next.row = table.lines.size() - 1;
   }
 
   void statement() {
