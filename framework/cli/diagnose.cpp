@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <filesystem>
 
 #include "framework/calibration/circumstances.h"
@@ -14,25 +16,44 @@ namespace {
 
 struct Options {
   Common common;
-  std::string model, recordings, points;
+  std::string model, recordings, points, next;
   double check = 0.3;
   std::vector<std::string> groups, only;
   DiagnosisOptions diagnosis;
+  DiagnosisTextOptions text;
+  int next_count = 8;
 };
 
-// One line on a terminal's standard error, rewritten.
-void show_progress(const std::string& step, double share) {
-  if (!isatty(2)) return;
-  const int width = 30, filled = static_cast<int>(share * width);
-  fmt::print(stderr, "\r{:<14} [{}{}]\x1b[K", step, std::string(filled, '#'),
-             std::string(width - filled, ' '));
-}
+// One line on a terminal's standard error, rewritten: what is being done, how far it is, how long
+// the rest will take.
+class ProgressLine {
+ public:
+  void operator()(const std::string& step, double share) {
+    using Clock = std::chrono::steady_clock;
+    if (!isatty(2)) return;
+    const double gone = std::chrono::duration<double>(Clock::now() - start_).count();
+    share_ = std::clamp(share, share_, 1.0);
+    const int width = 30, filled = static_cast<int>(share_ * width);
+    std::string left;
+    if (share_ > 0.05 && gone > 1)
+      left = fmt::format(", about {:.0f} s left", gone * (1 - share_) / share_);
+    fmt::print(stderr, "\r{:<14} [{}{}] {:3.0f} %{}\x1b[K", step, std::string(filled, '#'),
+               std::string(width - filled, ' '), 100 * share_, left);
+    std::fflush(stderr);
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  double share_ = 0;
+};
 
 void run(Options& o) {
   const std::filesystem::path folder = o.common.out.empty() ? "." : o.common.out;
   if (std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
     throw InputError({folder.string(), 0, 0}, "is no folder", "--out DIR");
   check_writable(o.common.json);
+  check_writable(o.next);
+  check_apart(o.next, {o.model, o.recordings});
   Registry registry = o.common.registry();
   const Model model = open_model(o.model, registry, o.common);
   const Program program = compile(model, registry);
@@ -48,11 +69,19 @@ void run(Options& o) {
   o.diagnosis.fit.threads = o.common.thread_count();
   o.diagnosis.fit.seed = o.diagnosis.search.seed = o.common.seed;
   o.diagnosis.search.suspects.only = o.only;
-  if (!o.common.quiet) o.diagnosis.progress = show_progress;
+  if (!o.common.quiet) o.diagnosis.progress = ProgressLine();
   const Diagnosis d = diagnose(model, registry, recordings, split, o.diagnosis);
+  AdviceOptions advice_options;
+  advice_options.suspects = o.diagnosis.search.suspects;
+  advice_options.threads = o.diagnosis.fit.threads;
+  advice_options.seed = o.common.seed;
+  advice_options.poses = o.next_count;
+  advice_options.progress = o.diagnosis.progress;
+  const Advice advice = advise(model, registry, d, advice_options);
   if (!o.common.quiet && isatty(2)) fmt::print(stderr, "\r\x1b[K");
 
-  std::string file;
+  DiagnosisFiles files;
+  std::string& file = files.extended_model;
   if (!d.findings.empty()) {
     Model extended = calibrated_model(d.extended_model, *d.program_after, d.after);
     std::error_code error;
@@ -66,9 +95,15 @@ void run(Options& o) {
     move_plugin_paths(extended, o.model, file);
     write_file(file, lua ? write_lua(extended) : write_xml(extended));
   }
+  if (!o.next.empty() && !advice.next.poses.empty()) {
+    put(o.next, fmt::format("# poses to record next, for {} after {}\n", o.model, o.recordings) +
+                    write_recordings(advice.next.table));
+    files.next_poses = o.next;
+  }
   const ReportContext context{"diagnose", o.model, o.recordings, &measured};
-  if (!o.common.json.empty()) put(o.common.json, diagnosis_json(d, context, file));
-  if (!o.common.quiet && o.common.json != "-") fmt::print("{}", diagnosis_text(d, file));
+  if (!o.common.json.empty()) put(o.common.json, diagnosis_json(d, advice, context, files));
+  if (!o.common.quiet && o.common.json != "-")
+    fmt::print("{}", diagnosis_text(d, advice, context, files, o.text));
   exit_code() = d.baseline.converged ? 0 : 1;
 }
 
@@ -85,6 +120,15 @@ void add_diagnose(CLI::App& app) {
   add_split(*command, o->check, o->groups);
   command->add_option("--only", o->only, "effects to consider, instead of all that are registered")
       ->delimiter(',');
+  command->add_option("--next", o->next, "table to write the poses to record next to")
+      ->type_name("FILE");
+  command->add_option("--next-count", o->next_count, "how many such poses (0: none)")
+      ->check(CLI::Range(0, 100))
+      ->capture_default_str();
+  command->add_flag("--details", o->text.details,
+                    "curves of the findings, all rivals and parameters, what each pose is for");
+  command->add_flag("--sensitivity", o->text.sensitivity,
+                    "the smallest magnitude that would have been seen, of every suspect");
   add_points(*command, o->points);
   add_common(*command, o->common, true, true);
   command->callback([o] { run(*o); });

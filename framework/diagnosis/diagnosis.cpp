@@ -59,6 +59,7 @@ class Diagnoser {
     progress("judging", 0.9);
     judge();
     verdict();
+    d_.recordings = std::move(recordings_), d_.split = std::move(split_);
     d_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return std::move(d_);
   }

@@ -50,6 +50,8 @@ struct Diagnosis {
   Outliers outliers;
   std::optional<Fit> clean;  // the baseline without faults and blunders, where there were any
   NoiseVerdict noise;        // of what is left after all
+  Recordings recordings;     // as they were judged: faults corrected
+  Split split;               // without copies and blunders
   HeldOut heldout;
   Search search;
   std::vector<std::string> warnings;
@@ -61,6 +63,9 @@ struct DiagnosisOptions {
   SearchOptions search;
   std::function<void(const std::string& step, double share)> progress;
 };
+
+// The fit of the model as given to the recordings as they were judged.
+inline const Fit& fit_before(const Diagnosis& d) { return d.clean ? *d.clean : d.baseline; }
 
 Diagnosis diagnose(const Model& model, const Registry& registry, const Recordings& recordings,
                    const Split& split, const DiagnosisOptions& options = {});

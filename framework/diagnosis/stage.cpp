@@ -77,10 +77,11 @@ Recordings with_circumstances(const Model& model, const Registry& registry, cons
   return with_covariates(fields, std::move(loaded));
 }
 
-Stage stage_of(const Ground& ground, const Trial& trial, const StageOptions& options) {
+Linearised linearised(const Ground& ground, const Trial& trial, const StageOptions& options) {
   const Model whole = extended(*ground.model, trial.effects, UnitSystem{});
-  const Program program =
-      compile_with_fields(whole, *ground.registry, recorded_in(*ground.recordings));
+  auto compiled = std::make_shared<const Program>(
+      compile_with_fields(whole, *ground.registry, recorded_in(*ground.recordings)));
+  const Program& program = *compiled;
   const Groups groups(program, *ground.recordings);
   ProblemOptions problem_options;
   problem_options.threads = ground.threads;
@@ -123,10 +124,9 @@ Stage stage_of(const Ground& ground, const Trial& trial, const StageOptions& opt
 
   const std::vector<int> when = order_in_time(*ground.recordings, residuals.poses);
   base.when = when;
-  Suspects found =
-      suspects(program, *ground.registry,
-               slots_of(program, *ground.recordings, groups, x, residuals.poses, residuals.latent),
-               linear, options.suspects);
+  PoseSlots slots =
+      slots_of(program, *ground.recordings, groups, x, residuals.poses, residuals.latent);
+  Suspects found = suspects(program, *ground.registry, slots, linear, options.suspects);
   std::set<int> starts;  // of sessions, places in time
   std::map<int, double> session_at;
   for (std::size_t k = 0; k < when.size(); ++k)
@@ -140,15 +140,23 @@ Stage stage_of(const Ground& ground, const Trial& trial, const StageOptions& opt
     form.onsets.assign(starts.begin(), starts.end());
     if (starts.empty()) form.onsets = {-1};  // nowhere
   }
-
-  ScreenOptions screen_options;
-  screen_options.threads = ground.threads;
-  // By the stated noise first; where that makes the fit impossible, by what is left.
   base.noise_known = options.noise_known && problem.noise_known();
   if (getenv("TALUS_DEBUG"))
     fprintf(stderr, "places %zu suspects %zu ways %zu cols %ld rows %ld untestable %zu\n",
             program.places.size(), found.suspects.size(), found.ways.size(),
             (long)found.candidates.columns.cols(), (long)n, found.untestable.size());
+  return {std::move(compiled), std::move(base),  std::move(found), linear.columns,
+          std::move(slots),    residuals.latent, residuals.poses,  when};
+}
+
+Stage stage_of(const Ground& ground, const Trial& trial, const StageOptions& options) {
+  Linearised at = linearised(ground, trial, options);
+  Baseline& base = at.baseline;
+  Suspects& found = at.suspects;
+  const Eigen::Index n = at.columns.rows();
+  ScreenOptions screen_options;
+  screen_options.threads = ground.threads;
+  // By the stated noise first; where that makes the fit impossible, by what is left.
   Candidates candidates = std::move(found.candidates), none;
   none.columns.resize(n, 0);
   const Screen bare(base, none, screen_options);
@@ -156,8 +164,8 @@ Stage stage_of(const Ground& ground, const Trial& trial, const StageOptions& opt
   const bool studentised = !base.noise_known || log_p < kLogMisfit;
   const double p_value = base.noise_known ? std::exp(log_p) : 1;
   Screen screen(std::move(base), std::move(candidates), screen_options);
-  return {std::move(found), std::move(screen), residuals.poses, when,
-          bare.chi2(),      bare.freedom(),    p_value,         studentised};
+  return {std::move(found), std::move(screen), std::move(at.rows), std::move(at.when), bare.chi2(),
+          bare.freedom(),   p_value,           studentised};
 }
 
 Accepted Stage::accepted(const Ground& ground, const Score& score) const {

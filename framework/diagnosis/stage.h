@@ -28,6 +28,19 @@ struct StageOptions {
 Recordings with_circumstances(const Model& model, const Registry& registry, const Program& program,
                               const Recordings& recordings, std::span<const double> x);
 
+// A hypothesis made linear where the fields at all places are zero: what a stage is made of.
+struct Linearised {
+  std::shared_ptr<const Program> program;  // with fields
+  Baseline baseline;
+  Suspects suspects;
+  Eigen::MatrixXd columns;  // whitened, of all that is free: fields by EffectPlace::first_field
+  PoseSlots slots;
+  Eigen::MatrixXd latents;        // poses x unknowns of each pose
+  std::vector<std::size_t> rows;  // recorded row of each pose
+  std::vector<int> when;
+};
+Linearised linearised(const Ground& ground, const Trial& trial, const StageOptions& options = {});
+
 Stage stage_of(const Ground& ground, const Trial& trial, const StageOptions& options = {});
 
 }  // namespace talus

@@ -1,27 +1,226 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "framework/diagnosis/blind_spots.h"
 #include "framework/report/diagnosis_report.h"
 
 namespace talus {
+namespace {
 
-std::string diagnosis_text(const Diagnosis& d, const std::string& extended_model) {
-  std::string out = fmt::format("{}: {}\n", to_string(d.verdict), d.statement);
-  auto finding = [&](const Finding& f, const char* kind) {
-    out += fmt::format("\n{}: {} at {}, probability {:.2f}, {:.3g} sigmas a pose\n", kind, f.effect,
-                       f.location, f.probability, f.sigmas);
-    for (const ShownValue& v : f.parameters)
-      out += fmt::format("  {:<12} {:>12.5g}{} {}\n", v.name, v.value,
-                         std::isfinite(v.std) ? fmt::format(" ± {:.2g}", v.std) : "",
-                         v.unit == "1" ? "" : v.unit);
-    for (const NamedRival& r : f.rivals)
-      out += fmt::format("  or {} at {}: {:.4f}\n", r.effect, r.location, r.probability);
+constexpr std::size_t kWidth = 100;
+
+std::string heading(Verdict verdict) {
+  std::string text = to_string(verdict);
+  for (char& c : text) c = c == '-' ? ' ' : static_cast<char>(std::toupper(c));
+  return text;
+}
+
+// Broken at blanks; further lines are indented.
+std::string wrapped(const std::string& text, const std::string& first, const std::string& more) {
+  std::string out = first, word;
+  std::size_t column = first.size();
+  auto flush = [&] {
+    if (word.empty()) return;
+    const std::size_t bare = word.size() - (word.back() == ' ');
+    if (column + bare > kWidth) {
+      while (!out.empty() && out.back() == ' ') out.pop_back();
+      out += "\n" + more;
+      column = more.size();
+    }
+    out += word;
+    column += word.size();
+    word.clear();
   };
-  for (const Finding& f : d.findings) finding(f, "Finding");
-  for (const Finding& f : d.hints) finding(f, "Hint");
-  if (!extended_model.empty()) out += fmt::format("\nExtended model: {}\n", extended_model);
-  return out;
+  for (const char c : text) {
+    word += c;
+    if (c == ' ') flush();
+  }
+  flush();
+  while (!out.empty() && out.back() == ' ') out.pop_back();
+  return out + "\n";
+}
+
+std::string quoted(const std::string& file) {
+  return file.find(' ') == std::string::npos ? file : "'" + file + "'";
+}
+
+class Writer {
+ public:
+  Writer(const Diagnosis& d, const Advice& advice, const ReportContext& context,
+         const DiagnosisFiles& files, const DiagnosisTextOptions& options)
+      : d_(d), advice_(advice), context_(context), files_(files), options_(options) {}
+
+  std::string run() {
+    out_ = wrapped(sentence_of(d_), heading(d_.verdict) + ". ", "  ");
+    ordinary();
+    evidence();
+    for (std::size_t i = 0; i < d_.findings.size(); ++i)
+      finding(d_.findings[i], "Finding", curve(advice_.curves, i));
+    for (std::size_t i = 0; i < d_.hints.size(); ++i)
+      finding(d_.hints[i], "Hint, too small to be claimed", curve(advice_.hint_curves, i));
+    moved();
+    sensitivity();
+    next();
+    how_to_go_on();
+    for (const std::string& warning : d_.warnings) out_ += wrapped(warning, "Warning: ", "  ");
+    return std::move(out_);
+  }
+
+ private:
+  static const Curve* curve(const std::vector<Curve>& all, std::size_t i) {
+    return i < all.size() ? &all[i] : nullptr;
+  }
+
+  // Faults of the table and blunders.
+  void ordinary() {
+    if (!d_.faults.empty()) out_ += "\nThe table of recordings\n";
+    for (const Fault& f : d_.faults)
+      out_ += wrapped(f.statement, f.note ? "  note: " : "  - ", "    ");
+    const std::vector<Outlier>& wrong = d_.outliers.found;
+    if (wrong.empty()) return;
+    out_ += fmt::format("\nPoses that are simply wrong ({}), left out\n", wrong.size());
+    for (std::size_t i = 0; i < wrong.size() && (options_.details || i < 5); ++i)
+      out_ += wrapped(wrong[i].statement, "  - ", "    ");
+    if (!options_.details && wrong.size() > 5)
+      out_ += fmt::format("  - and {} more (--details)\n", wrong.size() - 5);
+  }
+
+  void evidence() {
+    const Fit& b = fit_before(d_);
+    out_ += fmt::format("\nEvidence ({} poses fitted, {} held out)\n", b.poses_fit, b.poses_check);
+    if (d_.findings.empty()) {
+      out_ += wrapped(
+          fmt::format("Residuals are {:.3g} sigmas on the poses fitted{}; {:.2g} is what the "
+                      "instruments explain.",
+                      b.fit_rms,
+                      b.poses_check ? fmt::format(", {:.3g} on those held out", b.heldout_rms) : "",
+                      b.expected_rms),
+          "  ", "  ");
+    } else {
+      if (const std::string held = sentence_of(d_.heldout, b); !held.empty())
+        out_ += wrapped(held, "  ", "  ");
+      out_ += evidence_table(d_);
+    }
+    if (!d_.noise.statement.empty()) out_ += wrapped(d_.noise.statement, "  ", "  ");
+    if (!b.noise_known)
+      out_ += "  The noise is not stated; sigmas are those of what the fit leaves.\n";
+  }
+
+  void finding(const Finding& f, const std::string& kind, const Curve* curve) {
+    out_ += "\n" + wrapped(sentence_of(f), kind + ". ", "  ");
+    out_ += wrapped(
+        fmt::format(
+            "It moves a typical pose by {:.3g} times its uncertainty; without it chi-square "
+            "grows by {:.4g}, which the best of all candidates does by chance with p {} "
+            "{:.2g}.",
+            f.sigmas, f.delta_chi2, f.p_value < 1e-4 ? "<" : "=", std::max(f.p_value, 1e-4)),
+        "  ", "  ");
+    if (!options_.details) return;
+    for (const NamedRival& r : f.rivals)
+      out_ += fmt::format("  rival: {} at {}, probability {:.4f}\n", spoken(r.effect), r.location,
+                          r.probability);
+    if (curve) out_ += curve_plot(*curve);
+  }
+
+  void moved() {
+    if (d_.findings.empty()) return;
+    out_ += "\nCalibrated parameters that had taken up some of it\n" +
+            moved_parameters(d_, options_.details ? 200 : 5);
+  }
+
+  void sensitivity() {
+    if (advice_.seen.suspects.empty()) return;
+    out_ += "\nWhat would have been seen (in 80 of 100 such recordings; in units of each effect)\n";
+    const std::string table = sensitivity_table(advice_.seen, options_.sensitivity);
+    std::string line;
+    for (const char c : table) {
+      line += c;
+      if (c != '\n') continue;
+      out_ += line.starts_with("  not seen")
+                  ? wrapped(line.substr(2, line.size() - 3), "  ", "    ")
+                  : line;
+      line.clear();
+    }
+    out_ += "\nWhat no analysis of these recordings can see\n";
+    int number = 0;
+    for (const BlindSpot& b : advice_.seen.blind)
+      out_ += wrapped(b.statement, fmt::format("  {}. ", ++number), "     ");
+  }
+
+  void next() {
+    const NextRecordings& n = advice_.next;
+    if (n.statement.empty()) return;
+    out_ += "\nWhat to record next\n" + wrapped(n.statement, "  ", "  ");
+    if (n.poses.empty()) return;
+    std::vector<const NextTarget*> attained;
+    for (const NextTarget& t : n.targets)
+      if (t.attainable) attained.push_back(&t);
+    out_ += next_table(n, d_.program->units, options_.details && attained.size() > 1);
+    std::stable_sort(attained.begin(), attained.end(), [](const auto* a, const auto* b) {
+      return a->smallest_after * b->smallest_before < b->smallest_after * a->smallest_before;
+    });
+    for (std::size_t i = 0; i < attained.size() && (options_.details || i < 5); ++i) {
+      const NextTarget& t = *attained[i];
+      if (t.rivals.empty())
+        out_ += wrapped(
+            fmt::format("{} at {}: seen from {:.2g} {} on, instead of {:.2g} (usual: {:.2g})",
+                        spoken(t.effect), t.location, t.smallest_after, t.unit, t.smallest_before,
+                        t.typical),
+            "  - ", "    ");
+      else
+        out_ += wrapped(fmt::format("{} at {} against {}: what its rival cannot imitate grows from "
+                                    "{:.2g} to {:.2g} (chi-square; 12 tells them apart)",
+                                    spoken(t.effect), t.location, join(t.rivals, " and "),
+                                    t.told_before, t.told_after),
+                        "  - ", "    ");
+    }
+    if (!options_.details && attained.size() > 5)
+      out_ += fmt::format("  - and {} more (--details)\n", attained.size() - 5);
+    if (!n.assumed.empty())
+      out_ += wrapped("The model states no range of " + join(n.assumed) +
+                          "; what was visited was widened. State range=\"from, to\" to keep poses "
+                          "within reach.",
+                      "  ", "  ");
+  }
+
+  void how_to_go_on() {
+    out_ += "\nHow to go on\n";
+    if (!files_.extended_model.empty())
+      out_ += fmt::format("  The extended model is in {}\n", files_.extended_model);
+    const std::string model =
+        files_.extended_model.empty() ? context_.model_file : files_.extended_model;
+    if (!files_.extended_model.empty())
+      out_ += fmt::format(
+          "  talus calibrate {} {}    the extended model, fitted and judged\n"
+          "  talus diagnose {} {}    is anything else missing?\n",
+          quoted(model), quoted(context_.recordings_file), quoted(model),
+          quoted(context_.recordings_file));
+    if (!files_.next_poses.empty())
+      out_ += fmt::format("  talus simulate {} --poses {}    what these poses should measure\n",
+                          quoted(model), quoted(files_.next_poses));
+    else if (!advice_.next.poses.empty())
+      out_ += fmt::format("  talus diagnose {} {} --next next.csv    the poses above as a table\n",
+                          quoted(context_.model_file), quoted(context_.recordings_file));
+    if (!options_.details)
+      out_ += fmt::format("  talus diagnose {} {} --details --sensitivity    all of the evidence\n",
+                          quoted(context_.model_file), quoted(context_.recordings_file));
+  }
+
+  const Diagnosis& d_;
+  const Advice& advice_;
+  const ReportContext& context_;
+  const DiagnosisFiles& files_;
+  const DiagnosisTextOptions& options_;
+  std::string out_;
+};
+
+}  // namespace
+
+std::string diagnosis_text(const Diagnosis& d, const Advice& advice, const ReportContext& context,
+                           const DiagnosisFiles& files, const DiagnosisTextOptions& options) {
+  return Writer(d, advice, context, files, options).run();
 }
 
 }  // namespace talus

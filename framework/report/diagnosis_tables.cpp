@@ -1,0 +1,195 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "framework/diagnosis/blind_spots.h"
+#include "framework/report/diagnosis_report.h"
+
+namespace talus {
+namespace {
+
+constexpr double kImplausible = 10;  // times the usual size: as good as unseen
+constexpr std::size_t kMost = 3, kLeast = 4;
+
+std::string figure(double v) { return std::isfinite(v) ? fmt::format("{:.3g}", v) : "-"; }
+
+// "joint1, joint2, joint5" as "joint1, 2, 5".
+std::string shortened(const std::vector<std::string>& names) {
+  auto stem = [](const std::string& name) {
+    return name.substr(0, name.find_last_not_of("0123456789") + 1);
+  };
+  std::string out;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string head = stem(names[i]);
+    const bool more = i > 0 && head == stem(names[i - 1]) && head.size() < names[i].size();
+    out += (i > 0 ? ", " : "") + (more ? names[i].substr(head.size()) : names[i]);
+  }
+  return out;
+}
+
+std::string rival_of(const SeenSuspect& s) {
+  return s.rival.empty() || s.rival == "unknown" || s.imitates < 0.5
+             ? "-"
+             : fmt::format("{} at {} ({:.0f} %)", spoken(s.rival), s.rival_location,
+                           100 * s.imitates);
+}
+
+std::string sensitivity_rows(const std::vector<const SeenSuspect*>& rows) {
+  std::size_t effect = 6, location = 8;
+  for (const auto* s : rows) {
+    effect = std::max(effect, s->effect.size());
+    location = std::max(location, s->location.size());
+  }
+  std::string out = fmt::format("  {:<{}}  {:<{}}  {:>10} {:>10}  {:<11} {}\n", "effect", effect,
+                                "at", location, "smallest", "usual", "unit", "would be taken for");
+  for (const auto* s : rows)
+    out += fmt::format("  {:<{}}  {:<{}}  {:>10} {:>10}  {:<11} {}\n", spoken(s->effect), effect,
+                       s->location, location, figure(s->smallest), figure(s->typical), s->unit,
+                       rival_of(*s));
+  return out;
+}
+
+}  // namespace
+
+std::string evidence_table(const Diagnosis& d) {
+  const bool held = !fit_before(d).measures_check.empty();
+  const std::vector<Measure>&before =
+            held ? fit_before(d).measures_check : fit_before(d).measures_fit,
+        &after = held ? d.after.measures_check : d.after.measures_fit;
+  std::string out =
+      fmt::format("  {:<12} {:<6} {:>12} {:>12}\n", "measure", "unit", "RMSE before", "RMSE after");
+  for (std::size_t i = 0; i < before.size() && i < after.size(); ++i) {
+    const Unit unit = d.program->units.of(before[i].dimension);
+    out += fmt::format("  {:<12} {:<6} {:>12.4g} {:>12.4g}\n", before[i].name, unit.text,
+                       before[i].rmse / unit.factor, after[i].rmse / unit.factor);
+  }
+  return out;
+}
+
+std::string moved_parameters(const Diagnosis& d, std::size_t most) {
+  struct Moved {
+    const FittedValue *before, *after;
+    double sigmas;
+  };
+  std::map<std::string, const FittedValue*> after;
+  for (const FittedValue& v : d.after.parameters) after[v.name] = &v;
+  std::vector<Moved> moved;
+  for (const FittedValue& v : fit_before(d).parameters)
+    if (const auto it = after.find(v.name);
+        it != after.end() && std::isfinite(v.std) && v.std > 0) {
+      const double sigmas = std::abs(it->second->value - v.value) / v.std;
+      if (sigmas >= 1) moved.push_back({&v, it->second, sigmas});
+    }
+  if (moved.empty()) return "  none by more than its uncertainty\n";
+  std::stable_sort(moved.begin(), moved.end(),
+                   [](const Moved& a, const Moved& b) { return a.sigmas > b.sigmas; });
+  std::size_t width = 9;
+  for (std::size_t i = 0; i < std::min(most, moved.size()); ++i)
+    width = std::max(width, moved[i].before->name.size());
+  std::string out = fmt::format("  {:<{}} {:>14} {:>14}  {:<5} {:>16}\n", "parameter", width,
+                                "before", "after", "unit", "in uncertainties");
+  for (std::size_t i = 0; i < std::min(most, moved.size()); ++i) {
+    const Unit unit = d.program->units.of(moved[i].before->dimension);
+    out += fmt::format("  {:<{}} {:>14.7g} {:>14.7g}  {:<5} {:>16.1f}\n", moved[i].before->name,
+                       width, moved[i].before->value / unit.factor,
+                       moved[i].after->value / unit.factor, unit.text, moved[i].sigmas);
+  }
+  if (moved.size() > most) out += fmt::format("  ... and {} more\n", moved.size() - most);
+  return out;
+}
+
+std::string sensitivity_table(const Seen& seen, bool all) {
+  std::vector<const SeenSuspect*> sorted;
+  for (const SeenSuspect& s : seen.suspects)
+    if (all || !s.unknown()) sorted.push_back(&s);
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const auto* a, const auto* b) { return a->in_typical() < b->in_typical(); });
+  if (all) return sensitivity_rows(sorted);
+  // One location of each effect: where it shows best, where it shows least.
+  std::vector<const SeenSuspect*> most, least;
+  std::set<std::string> named;
+  for (const auto* s : sorted)
+    if (most.size() < kMost && s->in_typical() <= 1 && named.insert(s->effect).second)
+      most.push_back(s);
+  named.clear();
+  std::map<std::string, std::vector<std::string>> unseen;
+  for (auto it = sorted.rbegin(); it != sorted.rend(); ++it) {
+    const SeenSuspect& s = **it;
+    if (!(s.in_typical() <= kImplausible))
+      unseen[spoken(s.effect)].insert(unseen[spoken(s.effect)].begin(), s.location);
+    else if (least.size() < kLeast && s.in_typical() > 1 && named.insert(s.effect).second)
+      least.push_back(&s);
+  }
+  std::string out;
+  if (!most.empty()) out += "  best seen\n" + sensitivity_rows(most);
+  if (!least.empty()) out += "  hardly seen at their usual size\n" + sensitivity_rows(least);
+  if (!unseen.empty()) {
+    std::vector<std::string> words;
+    for (auto& [effect, at] : unseen) {
+      std::sort(at.begin(), at.end());
+      words.push_back(effect + " at " + shortened(at));
+    }
+    out += "  not seen at ten times their usual size: " + join(words, "; ") + "\n";
+  }
+  return out;
+}
+
+// Senses of approach are one column of signs, joint by joint.
+std::string next_table(const NextRecordings& next, const UnitSystem& units, bool purposes) {
+  std::vector<std::string> lines(next.poses.size() + 1, "  pose");
+  for (std::size_t k = 0; k < next.poses.size(); ++k) lines[k + 1] = fmt::format("  {:>4}", k + 1);
+  std::vector<std::string> signs(next.poses.size());
+  std::size_t joints = 0;
+  for (std::size_t c = 1; c < next.table.columns.size(); ++c) {
+    const RecordedColumn& column = next.table.columns[c];
+    if (column.name.starts_with("approach_")) {
+      ++joints;
+      for (std::size_t k = 0; k < signs.size(); ++k) signs[k] += column.values[k] > 0 ? '+' : '-';
+      continue;
+    }
+    const Unit unit = column.unit.text.empty() ? column.unit : units.of(column.unit.dimension);
+    const std::string head = column.name + (unit.text.empty() ? "" : "[" + unit.text + "]");
+    const std::size_t width = std::max<std::size_t>(8, head.size());
+    lines[0] += fmt::format(" {:>{}}", head, width);
+    for (std::size_t k = 0; k < signs.size(); ++k)
+      lines[k + 1] += fmt::format(" {:>{}.6g}", column.values[k] / unit.factor, width);
+  }
+  const std::size_t width = std::max<std::size_t>(8, joints);
+  if (joints > 0) lines[0] += fmt::format(" {:>{}}", "approach", width);
+  std::string out = lines[0] + "\n";
+  for (std::size_t k = 0; k < signs.size(); ++k) {
+    out += lines[k + 1];
+    if (joints > 0) out += fmt::format(" {:>{}}", signs[k], width);
+    if (purposes) out += "  to " + join(next.poses[k].purposes, ", ");
+    out += "\n";
+  }
+  return out;
+}
+
+std::string curve_plot(const Curve& curve) {
+  if (curve.points.empty()) return "";
+  constexpr int half = 20;
+  double most = 0;
+  for (const CurvePoint& p : curve.points)
+    most = std::max({most, std::abs(p.before), std::abs(p.after)});
+  std::string out = fmt::format(
+      "  {} [{}] against {} [{}]; b before, a after\n  {:>10} {:>5} {:>10} {:>10} {:>9}\n", curve.y,
+      curve.y_unit, curve.x, curve.x_unit, "x", "n", "before", "after", "± ");
+  for (const CurvePoint& p : curve.points) {
+    std::string line(2 * half + 1, ' ');
+    auto mark = [&](double v, char c) {
+      line[static_cast<std::size_t>(half + std::lround(half * (most > 0 ? v / most : 0)))] = c;
+    };
+    line[half] = '|';
+    mark(p.after, 'a');
+    mark(p.before, 'b');
+    out += fmt::format("  {:>10.4g} {:>5} {:>10.3g} {:>10.3g} {:>8.2g} {}\n", p.x, p.count,
+                       p.before, p.after, p.std, line);
+  }
+  return out;
+}
+
+}  // namespace talus

@@ -1,0 +1,52 @@
+// Small words for tests of whole diagnoses: the spatial linkage with an encoder's scale off its
+// centre, recorded at the 65 settings of its fixture.
+#pragma once
+
+#include "framework/diagnosis/advice.h"
+#include "tests/support/fits.h"
+
+namespace talus::testing {
+
+// The shipped recordings' readings, what the model with these further elements measures there.
+inline Recordings isl_recordings(const std::string& effects, std::uint64_t seed = 5) {
+  Model model = model_of(shipped("isl-bonny-2013/published.xml"));
+  if (!effects.empty()) {
+    Registry registry = Registry::built_in();
+    const Model more = read_xml("<talus>" + effects + "</talus>", "effects.xml", registry);
+    for (const Element& e : more.root.children) model.root.children.push_back(e);
+  }
+  Program program = program_of(model);
+  Settings settings;
+  const Recordings given = read_recordings(shipped("isl-bonny-2013/recordings.csv"));
+  for (std::size_t k = 0; k < given.rows(); ++k) {
+    auto& pose = settings.poses.emplace_back();
+    for (const Reading& r : program.readings) pose.push_back(given.get(r.column, angle).values[k]);
+  }
+  return simulate(program, settings, {seed, 1, 1});
+}
+
+struct Diagnosed {
+  Model model;
+  Registry registry = Registry::built_in();
+  Recordings recordings;
+  Split split;
+  Diagnosis diagnosis;
+  Advice advice;
+};
+
+inline Diagnosed diagnosed(const std::string& model, Recordings recordings,
+                           const std::vector<std::string>& only = {}) {
+  Diagnosed d;
+  d.model = read_model(model, d.registry);
+  d.recordings = std::move(recordings);
+  d.split = random_split(d.recordings, 1);
+  DiagnosisOptions options;
+  options.search.suspects.only = only;
+  d.diagnosis = diagnose(d.model, d.registry, d.recordings, d.split, options);
+  AdviceOptions advice;
+  advice.suspects.only = only;
+  d.advice = advise(d.model, d.registry, d.diagnosis, advice);
+  return d;
+}
+
+}  // namespace talus::testing
