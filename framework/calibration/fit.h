@@ -15,7 +15,7 @@ namespace talus {
 
 struct FitOptions {
   int threads = 1;
-  int max_iterations = 200;
+  int max_iterations = 400;
   int restarts = 4;  // from starts scattered over the tolerances
   std::uint64_t seed = 1;
   std::vector<double> start;  // instead of the nominal values; parameters, then shared unknowns

@@ -128,6 +128,9 @@ class Problem {
   struct Noise {
     std::vector<NoiseSource> sources;
     std::vector<std::vector<Eigen::MatrixXd>> shares;  // [pose][source], rows x rows
+    // [pose], rows x sources: what one sigma of the source does to the rows, whose square its share
+    // is; zero of carried ones.
+    std::vector<Eigen::MatrixXd> columns;
   };
   Noise noise(std::span<const double> x);
   // Per pose: J^T J of the whitened rows by the latent unknowns.

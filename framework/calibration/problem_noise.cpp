@@ -1,4 +1,6 @@
 // Where the noise of a pose's rows comes from.
+#include <cmath>
+
 #include "framework/calibration/problem_inside.h"
 
 namespace talus {
@@ -34,6 +36,8 @@ Problem::Noise Problem::noise(std::span<const double> x) {
   }
   result.shares.assign(data().poses(), std::vector<Eigen::MatrixXd>(result.sources.size(),
                                                                     Eigen::MatrixXd::Zero(m, m)));
+  result.columns.assign(data().poses(),
+                        Eigen::MatrixXd::Zero(m, static_cast<Eigen::Index>(result.sources.size())));
   const std::vector<std::size_t> at = in_->places();
   in_->each_batch(x, [&](Bench& bench, int, int b) {
     in_->evaluate(bench, b);
@@ -43,17 +47,19 @@ Problem::Noise Problem::noise(std::span<const double> x) {
       in_->plan.jacobian(bench.workspace, Inside::kReadings, t, bench.columns.data(),
                          static_cast<std::size_t>(m) * lanes);
     for (int l = 0; l < data().batch(b).count; ++l) {
-      auto& shares = result.shares[at[static_cast<std::size_t>(b) * lanes + l]];
+      const std::size_t pose = at[static_cast<std::size_t>(b) * lanes + l];
+      auto& shares = result.shares[pose];
+      auto set = [&](int source, const Eigen::VectorXd& column) {
+        result.columns[pose].col(source) = column;
+        shares[source] = column * column.transpose();
+      };
       auto by = [&](int q) {
         Eigen::VectorXd column(m);
         for (int r = 0; r < m; ++r)
           column[r] = bench.columns[(static_cast<std::size_t>(q) * m + r) * lanes + l];
         return column;
       };
-      for (int q = 0; q < readings; ++q) {
-        const Eigen::VectorXd column = by(q);
-        shares[q] = in_->noise_variance[q] * column * column.transpose();
-      }
+      for (int q = 0; q < readings; ++q) set(q, std::sqrt(in_->noise_variance[q]) * by(q));
       for (int r = 0; r < m; ++r) {
         if (source_of_row[r] < 0 || data().mask(b)[r * lanes + l] == 0) continue;
         Eigen::VectorXd column = Eigen::VectorXd::Zero(m);
@@ -61,8 +67,7 @@ Problem::Noise Problem::noise(std::span<const double> x) {
           for (int i = 0; i < m; ++i) column[i] = t.values[(i * m + r) * lanes + l];
         else
           column[r] = t.values[r * lanes + l];
-        column /= in_->row_factor[r];
-        shares[source_of_row[r]] = column * column.transpose();
+        set(source_of_row[r], column / in_->row_factor[r]);
       }
       for (std::size_t f = 0; f < columns_of.size(); ++f) {
         const auto& table = in_->measured_noise->covariance[data().batch(b).poses[l]];

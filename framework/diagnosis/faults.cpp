@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "framework/diagnosis/corrections.h"
-#include "framework/diagnosis/refit.h"
+#include "framework/diagnosis/fault_trials.h"
 
 namespace talus {
 namespace {
@@ -35,102 +35,17 @@ constexpr double as_well = 1.5;
 // Others within this factor of the best explain the recordings as well.
 constexpr double as_good = 1.5;
 constexpr int most_faults = 3;
-constexpr std::size_t quick_rows = 60, finalists = 6, row_finalists = 3, partners = 4;
-constexpr int quick_iterations = 12, full_iterations = 60;
+constexpr std::size_t finalists = 6, row_finalists = 3, partners = 4;
 constexpr int shifts = 3, pieces = 8;
-
-// What a fit leaves; infinite where the model has no value.
-struct Trial {
-  double left = std::numeric_limits<double>::infinity();   // twice the cost ...
-  double rows = std::numeric_limits<double>::infinity();   // ... the rows' share of it, per degree
-  double prior = std::numeric_limits<double>::infinity();  // and the priors', in all
-  double share = std::numeric_limits<double>::infinity();  // of the measured range, of full trials
-  std::vector<double> x;
-};
-
-// The squares of the distances from nominal, in tolerances.
-double prior(const Problem& problem, const std::vector<double>& x) {
-  double sum = 0;
-  for (int i = 0; i < problem.size(); ++i)
-    if (const Quantity& q = problem.quantity(i); q.tolerance)
-      sum += std::pow((x[i] - q.value) / *q.tolerance, 2);
-  return sum;
-}
-
-class Trials {
- public:
-  Trials(const Program& program, const Recordings& recordings, const Split& split,
-         const FaultOptions& options)
-      : program_(program), rows_(split.fit), options_(options), groups_(program, recordings) {
-    plain_.threads = options.threads;
-    plain_.robust = false;
-    plan_.emplace(plan_for(program, groups_, plain_));
-    const std::size_t step = std::max<std::size_t>(1, rows_.size() / quick_rows);
-    for (std::size_t k = 0; k < rows_.size(); k += step) few_.push_back(rows_[k]);
-  }
-
-  Trial quick(const Recordings& r) { return of(r, few_, quick_iterations, false); }
-  Trial full(const Recordings& r) { return of(r, rows_, full_iterations, true); }
-  Problem problem(const Recordings& r) {
-    Problem p(program_, *plan_, r, rows_, groups_, plain_);
-    if (program_.settings.full_scale) p.divide_rows_by(full_scale_ranges(program_, r));
-    return p;
-  }
-  int count = 0;
-
- private:
-  Trial of(const Recordings& r, const std::vector<std::size_t>& rows, int iterations,
-           bool thorough) {
-    ++count;
-    Problem p(program_, *plan_, r, rows, groups_, plain_);
-    if (program_.settings.full_scale) p.divide_rows_by(full_scale_ranges(program_, r));
-    const double freedom = static_cast<double>(p.data().used()) -
-                           static_cast<double>(p.latents()) * static_cast<double>(p.data().poses());
-    Trial trial;
-    if (!(freedom > 0)) return trial;
-    if (!p.noise_known()) {
-      const double start = p.cost(p.start());
-      if (!std::isfinite(start)) return trial;
-      p.set_noise_variance(1e-6 * 2 * start / freedom);  // tolerances hold what nothing tells
-    }
-    const Refit found = refit(
-        p, {p.start()}, {.max_iterations = iterations, .seed = options_.seed, .scatter = thorough});
-    if (!std::isfinite(found.cost)) return trial;
-    // With priors: twice the cost of a right model is about its number of rows.
-    trial.left = (p.noise_known() ? 2 * found.cost : found.chi2) / freedom;
-    trial.rows = found.chi2 / freedom;
-    trial.prior = prior(p, found.x);
-    if (thorough) trial.share = share_of_range(p, r, found.x);
-    trial.x = found.x;
-    return trial;
-  }
-
-  double share_of_range(Problem& p, const Recordings& r, const std::vector<double>& x) const {
-    const std::vector<double> fsr = full_scale_ranges(program_, r);
-    double sum = 0;
-    int count = 0;
-    for (const Measure& m : measures(program_, p.residuals(x).raw, fsr))
-      if (std::isfinite(m.percent_fsr)) sum += std::pow(m.percent_fsr / 100, 2), ++count;
-    return count > 0 ? std::sqrt(sum / count) : 0;
-  }
-
-  const Program& program_;
-  const std::vector<std::size_t>& rows_;
-  std::vector<std::size_t> few_;
-  const FaultOptions& options_;
-  Groups groups_;
-  ProblemOptions plain_;
-  std::optional<Plan> plan_;
-};
 
 struct Candidate {
   std::vector<Correction> corrections;
   Recordings recordings;
-  Trial trial;
+  FaultTrial trial;
 };
 
 // Nearer to what noise leaves.
-double badness(const Trial& trial) { return std::abs(std::log(std::max(trial.left, 1e-300))); }
+double badness(const FaultTrial& trial) { return std::abs(std::log(std::max(trial.left, 1e-300))); }
 bool better(const Candidate& a, const Candidate& b) { return badness(a.trial) < badness(b.trial); }
 
 // Measurements made smaller by a factor f leave residuals that are smaller by f even if nothing was
@@ -146,26 +61,25 @@ double shrinks(const std::vector<Correction>& corrections) {
 
 class Search {
  public:
-  Search(const Program& program, const Split& split, Trials& trials, bool noise_known)
-      : program_(program), split_(split), trials_(trials), noise_known_(noise_known) {}
+  Search(const Program& program, FaultTrials& trials, bool noise_known)
+      : program_(program), trials_(trials), noise_known_(noise_known) {}
 
   // The best correction of one fault, then of two; none where nothing mends the misfit.
-  std::vector<Candidate> mend(const Recordings& recordings, const Trial& before);
+  std::vector<Candidate> mend(const Recordings& recordings, const FaultTrial& before);
 
  private:
-  bool decides(const Candidate& after, const Trial& before) const;
+  bool decides(const Candidate& after, const FaultTrial& before) const;
   std::vector<Candidate> one_more(const Candidate& to);
-  std::vector<Candidate> finish(std::vector<Candidate> all, const Trial& before);
+  std::vector<Candidate> finish(std::vector<Candidate> all, const FaultTrial& before);
   void place_shift(Candidate& candidate, const Recordings& before);
 
   const Program& program_;
-  const Split& split_;
-  Trials& trials_;
+  FaultTrials& trials_;
   const bool noise_known_;
 };
 
-bool Search::decides(const Candidate& candidate, const Trial& before) const {
-  const Trial& after = candidate.trial;
+bool Search::decides(const Candidate& candidate, const FaultTrial& before) const {
+  const FaultTrial& after = candidate.trial;
   if (!std::isfinite(after.left) || after.share > explained) return false;
   const bool geometry_returns = before.prior > far * far && after.prior < falls_to * before.prior;
   const double shrunk = geometry_returns ? 1 : std::pow(shrinks(candidate.corrections), 2);
@@ -248,7 +162,7 @@ void Search::place_shift(Candidate& candidate, const Recordings& before) {
 }
 
 // Full fits; those that decide, best first.
-std::vector<Candidate> Search::finish(std::vector<Candidate> all, const Trial& before) {
+std::vector<Candidate> Search::finish(std::vector<Candidate> all, const FaultTrial& before) {
   std::vector<Candidate> result;
   for (Candidate& c : all) {
     c.trial = trials_.full(c.recordings);
@@ -261,7 +175,7 @@ std::vector<Candidate> Search::finish(std::vector<Candidate> all, const Trial& b
   return result;
 }
 
-std::vector<Candidate> Search::mend(const Recordings& recordings, const Trial& before) {
+std::vector<Candidate> Search::mend(const Recordings& recordings, const FaultTrial& before) {
   Candidate none{{}, recordings, trials_.quick(recordings)};
   std::vector<Candidate> single = one_more(none);
   for (Candidate& c : single)
@@ -290,7 +204,7 @@ std::vector<Candidate> Search::mend(const Recordings& recordings, const Trial& b
 }
 
 // What the correction gains, in words.
-std::string gain(const Trial& before, const Trial& after) {
+std::string gain(const FaultTrial& before, const FaultTrial& after) {
   if (!std::isfinite(before.left))
     return "As recorded, the model cannot be evaluated; corrected, it can";
   if (before.rows > as_well * after.rows)
@@ -331,17 +245,17 @@ Faults find_faults(const Program& program, const Recordings& recordings, const S
   result.found = std::move(rows);
   if (looks) {
     const bool noise_known = !fit || fit->noise_known;
-    Trials trials(program, recordings, split, options);
-    Trial before = trials.full(recordings);
+    FaultTrials trials(program, recordings, split.fit, options);
+    FaultTrial before = trials.full(recordings);
     // The calibration has had more starts.
     if (fit && 2 * fit->cost / std::max(1.0, fit->dof) < before.left && noise_known) {
       before.left = 2 * fit->cost / std::max(1.0, fit->dof);
       before.rows = fit->chi2 / std::max(1.0, fit->dof);
-      before.prior = prior(trials.problem(recordings), fit->x);
+      before.prior = prior_squares(trials.problem(recordings), fit->x);
     }
     result.before = before.left;
     for (int n = 0; n < most_faults;) {
-      Search search(program, split, trials, noise_known);
+      Search search(program, trials, noise_known);
       const std::vector<Candidate> found = search.mend(result.recordings, before);
       if (found.empty()) break;
       const Candidate& best = found.front();

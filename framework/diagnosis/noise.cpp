@@ -5,7 +5,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "framework/diagnosis/neighbours.h"
 #include "framework/diagnosis/noise_sources.h"
@@ -18,6 +17,7 @@ namespace {
 // Chance of calling good noise wrong; a noise that is off by less than this is not worth a word.
 constexpr double surely = 1e-4;
 constexpr double noticeable = 1.1;
+constexpr double plainly_less = 0.8;  // nor does less noise do harm
 // The fourth power's sum has a long upper tail: of 150 good poses one in some thousands exceeds
 // five of its standard deviations.
 constexpr double heavy_beyond = 5;
@@ -30,38 +30,32 @@ struct Pose {
   double square = 0, freedom = 0;
 };
 
-struct Order {
-  std::string name;
-  double z_mean = 0, z_size = 0, correlation = 0;
-};
-
 // Do neighbours resemble each other? Products of neighbours over the root of the sum of their
-// squares: standard normal where they do not, whatever the tails.
-Order resemblance(const PoseOrder& order, const std::vector<Pose>& poses, double scale2) {
+// squares: standard normal where they do not, whatever the tails. `next`: those of next neighbours.
+struct Resemblance {
+  double z = 0, next = 0;
+};
+template <class Product>
+Resemblance resemblance(const std::vector<int>& sorted, Product product) {
+  double sum = 0, squares = 0;
+  Resemblance result;
+  for (std::size_t i = 0; i < sorted.size(); ++i)
+    for (std::size_t j = i + 1; j < std::min(sorted.size(), i + 1 + lags); ++j) {
+      const double p = product(sorted[i], sorted[j]);
+      sum += p, squares += p * p;
+      if (j == i + 1) result.next += p;
+    }
+  if (sorted.size() >= fewest && squares > 0) result.z = sum / std::sqrt(squares);
+  return result;
+}
+
+std::vector<int> in_order_of(const PoseOrder& order, const std::vector<Pose>& poses) {
   std::vector<int> sorted;
   for (std::size_t k = 0; k < poses.size(); ++k)
     if (!std::isnan(order.values[k]) && poses[k].freedom > 0) sorted.push_back(static_cast<int>(k));
   std::stable_sort(sorted.begin(), sorted.end(),
                    [&](int a, int b) { return order.values[a] < order.values[b]; });
-  double mean = 0, mean2 = 0, size = 0, size2 = 0, next = 0, all = 0;
-  for (std::size_t i = 0; i < sorted.size(); ++i) {
-    const Pose& a = poses[sorted[i]];
-    all += a.square;
-    for (std::size_t j = i + 1; j < std::min(sorted.size(), i + 1 + lags); ++j) {
-      const Pose& b = poses[sorted[j]];
-      const double product = a.rows.dot(b.rows),
-                   sizes = (a.square / scale2 - a.freedom) * (b.square / scale2 - b.freedom);
-      mean += product, mean2 += product * product;
-      size += sizes, size2 += sizes * sizes;
-      if (j == i + 1) next += product;
-    }
-  }
-  Order result{order.name};
-  if (sorted.size() < fewest || !(mean2 > 0)) return result;
-  result.z_mean = mean / std::sqrt(mean2);
-  result.z_size = size2 > 0 ? size / std::sqrt(size2) : 0;
-  result.correlation = next / all;
-  return result;
+  return sorted;
 }
 
 double upper_tail(double z) { return std::erfc(z / std::sqrt(2.0)) / 2; }
@@ -73,19 +67,40 @@ std::string in_order(const std::string& name) {
 }
 
 void whiteness(NoiseVerdict& v, const std::vector<PoseOrder>& orders,
-               const std::vector<Pose>& poses) {
-  double least_mean = 0, least_size = 0;
-  std::string mean, size;
+               const std::vector<Pose>& poses, const Problem::Noise& noise) {
+  const double scale2 = v.scale * v.scale;
+  double z_mean = 0, z_size = 0, tried = 0, squares = 0;
+  std::string mean, channel, size;
+  for (const Pose& p : poses) squares += p.square;
+  // What the rows say of the error of each source.
+  std::vector<Eigen::VectorXd> said;
+  for (std::size_t k = 0; k < noise.columns.size(); ++k)
+    said.push_back(noise.columns[k].transpose() * poses[k].rows);
   for (const PoseOrder& order : orders) {
-    const Order o = resemblance(order, poses, v.scale * v.scale);
-    if (order.name == "order") v.correlation = o.correlation;
-    if (o.z_mean > least_mean) least_mean = o.z_mean, mean = order.name;
-    if (o.z_size > least_size) least_size = o.z_size, size = order.name;
+    const std::vector<int> sorted = in_order_of(order, poses);
+    auto note = [&](double z, const std::string& in) {
+      ++tried;
+      if (z > z_mean) z_mean = z, mean = order.name, channel = in;
+    };
+    const Resemblance rows =
+        resemblance(sorted, [&](int a, int b) { return poses[a].rows.dot(poses[b].rows); });
+    note(rows.z, "");
+    if (order.name == "order") v.correlation = rows.next / squares;
+    for (std::size_t s = 0; s < noise.sources.size(); ++s) {
+      const auto i = static_cast<Eigen::Index>(s);
+      if (noise.sources[s].sigma > 0)
+        note(resemblance(sorted, [&](int a, int b) { return said[a][i] * said[b][i]; }).z,
+             noise.sources[s].name);
+    }
+    const double z = resemblance(sorted, [&](int a, int b) {
+                       return (poses[a].square / scale2 - poses[a].freedom) *
+                              (poses[b].square / scale2 - poses[b].freedom);
+                     }).z;
+    if (z > z_size) z_size = z, size = order.name;
   }
-  const auto tried = static_cast<double>(orders.size());
-  v.p_white = std::min(1.0, tried * upper_tail(least_mean));
-  v.p_even = std::min(1.0, tried * upper_tail(least_size));
-  if (v.p_white < surely) v.unwhite = mean;
+  v.p_white = std::min(1.0, tried * upper_tail(z_mean));
+  v.p_even = std::min(1.0, static_cast<double>(orders.size()) * upper_tail(z_size));
+  if (v.p_white < surely) v.unwhite = mean, v.channel = channel;
   if (v.p_even < surely) v.uneven = size;
 }
 
@@ -110,8 +125,9 @@ void say(NoiseVerdict& v, bool noise_known, const std::string& measured) {
   };
   if (!v.unwhite.empty()) {
     v.statement = fmt::format(
-        "What is left is not noise alone: poses that are neighbours in {} misfit alike.",
-        in_order(v.unwhite));
+        "What is left is not noise alone: poses that are neighbours in {} misfit alike{}.",
+        in_order(v.unwhite),
+        v.channel.empty() ? "" : ", most of all in what they say of " + v.channel);
     if (v.unwhite == "order")
       v.statement += fmt::format(" (Correlation from one to the next: {:.2f}.)", v.correlation);
   } else if (v.source) {
@@ -130,16 +146,16 @@ void say(NoiseVerdict& v, bool noise_known, const std::string& measured) {
                       "smoothed, or made smaller by a wrong unit.",
                       times(v.scale)));
   }
-  if (v.heavy)
+  if (!v.uneven.empty())
+    fault("uneven-noise", measured,
+          fmt::format("The noise is not the same everywhere: its size changes with {}.",
+                      in_order(v.uneven)));
+  else if (v.heavy)
     fault(
         "heavy-tails", measured,
         fmt::format("Large errors are more frequent than Gaussian noise has them (kurtosis {:.2g} "
                     "instead of 3, as of Student's t with {:.1f} degrees of freedom).",
                     v.kurtosis, *v.student));
-  if (!v.uneven.empty() && v.unwhite.empty())
-    fault("uneven-noise", measured,
-          fmt::format("The noise is not the same everywhere: its size changes with {}.",
-                      in_order(v.uneven)));
   if (v.statement.empty())
     v.statement = noise_known ? "What is left is noise, and as much as was stated."
                               : "What is left is noise.";
@@ -194,17 +210,24 @@ NoiseVerdict judge_noise(const Program& program, const Recordings& recordings,
     const Unknown& unknown = program.unknowns[groups.latent[i]];
     orders.push_back({unknown.name, {values.begin(), values.end()}});
   }
-  whiteness(v, orders, poses);
+  Problem::Noise noise;
+  if (problem.noise_known()) noise = problem.noise(x);
+  whiteness(v, orders, poses, noise);
   tails(v, poses);
   if (problem.noise_known()) {
     const bool white = v.unwhite.empty();
     v.larger = white && v.p < surely && v.scale > noticeable;
-    v.smaller = v.p < surely && v.scale < 1 / noticeable;
+    v.smaller = v.p < surely && v.scale < plainly_less;
     std::vector<Eigen::VectorXd> of_poses;
     for (Pose& p : poses) of_poses.push_back(std::move(p.rows));
-    if (white) v.source = noisier_source(problem.noise(x), of_poses);
+    if (white) v.source = noisier_source(noise, of_poses);
   } else {
-    v.p = 1;
+    v.p = v.scale = 1;
+  }
+  // What is not noise, or noise of different sizes, has heavy tails as well.
+  if (!v.unwhite.empty() || v.source) {
+    v.heavy = false, v.student.reset();
+    v.uneven.clear();
   }
   std::vector<std::string> measured;
   for (const Feature& f : program.features) measured.push_back(f.name);

@@ -3,16 +3,18 @@
 // With d_k^2 the deletion residuals of the poses (outliers.h), chi-square distributed with f_k
 // degrees of freedom where the stated noise is right:
 //   * scale: sqrt(chi-square / degrees of freedom), 1 as stated;
-//   * tails: d_k^4 has the mean f_k (f_k + 2) for Gaussian noise (Mardia); more of it means tails,
-//   as
-//     of Student's t with so many degrees of freedom;
+//   * tails: d_k^4 has the mean f_k (f_k + 2) for Gaussian noise (Mardia); where it is larger,
+//     tails are heavy, as of Student's t with so many degrees of freedom;
 //   * white: neighbours in the order of recording, in every reading, column and coordinate do not
-//     resemble each other; where they do, something was left out or the noise is correlated;
+//     resemble each other, neither in their rows as a whole nor in what these say of the error of
+//     any one reading or measured row; where they do, something was left out or the noise is
+//     correlated;
 //   * even: the size of the misfit does not depend on any of these either;
 //   * sources: the covariance of the rows is a sum over readings and measured rows,
 //     C_k = sum_g gamma_g V_gk with gamma = 1 as stated. One source that is noisier than the others
 //     is found by its score and estimated by maximum likelihood.
-// Whether physics explains what is not white is another question.
+// Physics is to be looked for first: over few poses, or spread over many coordinates, it can look
+// like white noise. Tails and sizes are judged only of what is white.
 #pragma once
 
 #include <optional>
@@ -25,7 +27,7 @@
 namespace talus {
 
 struct NoiseVerdict {
-  double scale = 1;  // of the noise, over the stated one
+  double scale = 1;  // of the noise, over the stated one; 1 where none is stated
   double p = 1;      // that chi-square is as large (or, where scale < 1, as small) by chance
   bool larger = false, smaller = false;  // than stated, beyond doubt; of white residuals
   double kurtosis = 3;                   // 3: Gaussian
@@ -33,7 +35,8 @@ struct NoiseVerdict {
   std::optional<double> student;  // degrees of freedom of tails as heavy
   double p_white = 1;             // the least white order of all, their number taken into account
   std::string unwhite;            // in which order, where it is beyond doubt
-  double correlation = 0;         // of neighbours in the order of recording
+  std::string channel;  // and in which sensor's or measure's error; empty: in the rows as a whole
+  double correlation = 0;  // of neighbours in the order of recording
   double p_even = 1;
   std::string uneven;
   struct Source {

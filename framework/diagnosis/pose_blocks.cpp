@@ -41,12 +41,15 @@ PoseBlocks::PoseBlocks(const Problem& problem, const Problem::Linear& linear,
   const Eigen::VectorXd scale =
       H.diagonal().unaryExpr([](double d) { return d > 0 ? 1 / std::sqrt(d) : 0; });
   H = scale.asDiagonal() * H * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(H);
-  const Eigen::VectorXd& value = solver.eigenvalues();
-  Eigen::Index first = 0;
-  while (first < n && !(value[first] > rounding * value[n - 1])) ++first;
-  const Eigen::MatrixXd basis = scale.asDiagonal() * solver.eigenvectors().rightCols(n - first) *
-                                value.tail(n - first).cwiseSqrt().cwiseInverse().asDiagonal();
+  Eigen::MatrixXd basis(n, 0);
+  if (n > 0) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(H);
+    const Eigen::VectorXd& value = solver.eigenvalues();
+    Eigen::Index first = 0;
+    while (first < n && !(value[first] > rounding * value[n - 1])) ++first;
+    basis = scale.asDiagonal() * solver.eigenvectors().rightCols(n - first) *
+            value.tail(n - first).cwiseSqrt().cwiseInverse().asDiagonal();
+  }
   prior_ = basis.transpose() * information.asDiagonal() * basis;
   prior_gradient_ = basis.transpose() * pull;
   for (const auto& [start, count] : range) {
@@ -66,12 +69,12 @@ PoseBlocks::Solution PoseBlocks::fit(const std::vector<bool>& in) const {
   Eigen::VectorXd g = prior_gradient_;
   for (int k = 0; k < poses(); ++k)
     if (in[k]) H += blocks_[k].gram, g += blocks_[k].gradient;
+  Solution s{Eigen::VectorXd(H.rows()), H, in};
+  if (H.rows() == 0) return s;
   H.diagonal().array() += rounding;  // what these poses do not see stays where it is
   const Eigen::LLT<Eigen::MatrixXd> solver(H);
-  Solution s;
   s.covariance = solver.solve(Eigen::MatrixXd::Identity(H.rows(), H.cols()));
   s.step = -solver.solve(g);
-  s.in = in;
   return s;
 }
 

@@ -65,6 +65,8 @@ TEST_CASE("the shares of the sources of noise add up") {
       Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(problem.rows(), problem.rows());
       for (const Eigen::MatrixXd& share : noise.shares[k]) sum += share;
       CHECK((sum * sum - sum).norm() < 1e-6);  // a projection
+      const Eigen::VectorXd first = noise.columns[k].col(0);
+      CHECK((first * first.transpose() - noise.shares[k][0]).norm() < 1e-12);
       const auto told = problem.rows() - problem.latents();
       const bool dependent = std::string(file) != "arm-6r/model.xml" && !latent;
       CHECK(sum.trace() == doctest::Approx(dependent ? std::round(sum.trace()) : told));

@@ -105,6 +105,9 @@ TEST_CASE("chi-square of the rigid fit is what another program found") {
     const Program program = program_of(shipped(models.at(device) + "/model.xml"));
     const Recordings recordings = read_recordings(file);
     const Fit fit = calibrate(program, recordings, split_rows(recordings, {}), {.threads = 2});
+    CAPTURE(fit.stopped);
+    CAPTURE(fit.iterations);
+    CAPTURE(fit.chi2);
     CHECK(fit.converged);
     CHECK(fit.rows_missing == 0);
     // Within 1.5 % or 5: tolerances count as priors here. Two are known to differ more: d006, where

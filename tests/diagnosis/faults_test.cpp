@@ -136,7 +136,8 @@ TEST_CASE("values that no triangle closes with") {
   CHECK(faults.found[0].where == "micrometer2");
 }
 
-// 0 of 200 runs without physics and 0 of 200 with small to absurd physics when this was measured.
+// Measured on seeds that no threshold was chosen by: no column corrected in 200 runs without and
+// 400 with physics.
 TEST_CASE("neither good recordings nor physics are faults") {
   for (const Bed& bed : beds())
     for (const char* expression : {"{}", "{} + 0.3 deg*sin(2*{})", "{} + 3 deg*sin({})"}) {
