@@ -27,6 +27,7 @@ struct NextPose {
 struct NextRecordings {
   std::vector<std::string> names;  // of the coordinates: sensors, then unknowns of a pose
   std::vector<Dimension> dimensions;
+  std::vector<bool> moves;           // false for unknowns of a group: as they were
   std::vector<std::string> assumed;  // those whose range the model does not state
   std::vector<NextPose> poses;       // the most useful first
   Recordings table;                  // readings and circumstances, one row per pose

@@ -144,6 +144,7 @@ class Chooser {
     for (std::size_t i = 0; i < pool_.coordinates.size(); ++i) {
       out_.names.push_back(pool_.coordinates[i].name);
       out_.dimensions.push_back(pool_.coordinates[i].dimension);
+      out_.moves.push_back(pool_.coordinates[i].range.has_value());
       if (pool_.assumed[i]) out_.assumed.push_back(pool_.coordinates[i].name);
     }
   }

@@ -64,6 +64,7 @@ Json poses_of(const NextRecordings& next, const Program& program) {
     Json pose;
     pose["readings"] = Json::object();
     for (std::size_t c = 0; c < next.names.size(); ++c) {
+      if (!next.moves[c]) continue;
       const Unit unit = program.units.of(next.dimensions[c]);
       pose["readings"][next.names[c]] = {
           {"value", value(next.poses[k].coordinates[c] / unit.factor)}, {"unit", unit.text}};

@@ -145,6 +145,7 @@ std::string next_table(const NextRecordings& next, const UnitSystem& units, bool
   std::size_t joints = 0;
   for (std::size_t c = 1; c < next.table.columns.size(); ++c) {
     const RecordedColumn& column = next.table.columns[c];
+    if (c <= next.moves.size() && !next.moves[c - 1]) continue;
     if (column.name.starts_with("approach_")) {
       ++joints;
       for (std::size_t k = 0; k < signs.size(); ++k) signs[k] += column.values[k] > 0 ? '+' : '-';

@@ -165,8 +165,10 @@ class Writer {
       const NextTarget& t = *attained[i];
       if (t.rivals.empty())
         out_ += wrapped(
-            fmt::format("{} at {}: seen from {:.2g} {} on, instead of {:.2g} (usual: {:.2g})",
-                        spoken(t.effect), t.location, t.smallest_after, t.unit, t.smallest_before,
+            fmt::format("{} at {}: seen from {:.2g} {} on, instead of {} (usual: {:.2g})",
+                        spoken(t.effect), t.location, t.smallest_after, t.unit,
+                        std::isfinite(t.smallest_before) ? fmt::format("{:.2g}", t.smallest_before)
+                                                         : "not at all",
                         t.typical),
             "  - ", "    ");
       else
@@ -178,11 +180,12 @@ class Writer {
     }
     if (!options_.details && attained.size() > 5)
       out_ += fmt::format("  - and {} more (--details)\n", attained.size() - 5);
+    std::string held = "The linkage is taken to be free to go anywhere within its sensors' ranges.";
     if (!n.assumed.empty())
-      out_ += wrapped("The model states no range of " + join(n.assumed) +
-                          "; what was visited was widened. State range=\"from, to\" to keep poses "
-                          "within reach.",
-                      "  ", "  ");
+      held +=
+          " The model states none of " + join(n.assumed) +
+          ": what was visited was widened. State range=\"from, to\" to keep poses within reach.";
+    out_ += wrapped(held, "  ", "  ");
   }
 
   void how_to_go_on() {

@@ -81,6 +81,20 @@ TEST_CASE("what a fixture hides is said, and the next poses show it") {
   CHECK(again.diagnosis.findings[0].location == "encoder3");
 }
 
+TEST_CASE("where rivals cannot be told apart the next poses do it") {
+  const Diagnosed d = diagnosed(
+      isl, isl_recordings("<encoder_eccentricity at='encoder2' sine='2.2' cosine='0'/>", 7),
+      encoders);
+  REQUIRE(d.diagnosis.verdict == Verdict::ambiguous);
+  const NextRecordings& next = d.advice.next;
+  REQUIRE(next.targets.size() == 1);
+  REQUIRE(next.targets[0].rivals.size() == 1);
+  CHECK(next.targets[0].told_before < 12);
+  CHECK(next.targets[0].told_after > 12);
+  REQUIRE(next.poses.size() == 8);
+  CHECK(next.poses[0].purposes[0].starts_with("tell encoder "));
+}
+
 TEST_CASE("the curve of a finding is there before the effect is in the model, and gone after") {
   const Diagnosed d = diagnosed(
       isl, isl_recordings("<encoder_eccentricity at='encoder1' sine='1' cosine='1'/>"), encoders);
