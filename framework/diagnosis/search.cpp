@@ -39,29 +39,11 @@ class Searcher {
       gate_options.studentised = stage->studentised;
       const Gate gate = stage->screen.gate(gate_options);
       if (round == 0) result_.first = gate;
-      if (getenv("TALUS_DEBUG")) {
-        fprintf(
-            stderr,
-            "round %d chi2 %.1f dof %.1f stud %d gate open %d p %.3g logp %.1f tests %d draws %d\n",
-            round, stage->chi2, stage->dof, stage->studentised, gate.open, gate.family_p,
-            gate.log_p, gate.tests, gate.draws);
-        auto all = stage->screen.suspects();
-        for (std::size_t i = 0; i < all.size() && i < 8; ++i)
-          fprintf(stderr, "   %s@%s lnB %.1f gain %.1f\n",
-                  stage->suspects.suspects[all[i].suspect].effect.c_str(),
-                  stage->suspects.suspects[all[i].suspect].location.c_str(), all[i].log_bayes,
-                  all[i].best.gain);
-      }
       if (!gate.open) break;
       std::vector<Alternative> tried = finalists(*stage, result_.best);
       // By the noise that the best of them leaves, where that is more than stated.
       const double left = std::max(1.0, best_trial_.cost2 / std::max(1.0, stage->dof));
       if (tried.empty() || tried[0].evidence / left < kLeastEvidence) break;
-      if (getenv("TALUS_DEBUG"))
-        for (auto& a : tried)
-          fprintf(stderr, "   tried %s@%s ev %.1f cost2 %.1f (base %.1f)\n",
-                  a.effect.suspect.effect.c_str(), a.effect.suspect.location.c_str(), a.evidence,
-                  a.cost2, result_.best.cost2);
       result_.best = std::move(best_trial_);
       result_.members.push_back({0, gate, std::move(tried)});
       if (round > 0) backward(), swaps();

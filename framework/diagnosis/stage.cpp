@@ -141,10 +141,6 @@ Linearised linearised(const Ground& ground, const Trial& trial, const StageOptio
     if (starts.empty()) form.onsets = {-1};  // nowhere
   }
   base.noise_known = options.noise_known && problem.noise_known();
-  if (getenv("TALUS_DEBUG"))
-    fprintf(stderr, "places %zu suspects %zu ways %zu cols %ld rows %ld untestable %zu\n",
-            program.places.size(), found.suspects.size(), found.ways.size(),
-            (long)found.candidates.columns.cols(), (long)n, found.untestable.size());
   return {std::move(compiled), std::move(base),  std::move(found), linear.columns,
           std::move(slots),    residuals.latent, residuals.poses,  when};
 }
