@@ -15,7 +15,9 @@ namespace {
 constexpr double kLeastEvidence = 3;  // ln Bayes factor for an effect to be taken in
 constexpr double kUnknownPrior = -4;  // ln prior odds of a curve without a cause
 constexpr double kSwap = 3;           // ln by which a rival must be better
-constexpr double kDropLogP = -6.9;    // a member whose loss costs less than this is dropped
+constexpr double kLeftover =
+    0.15;  // of all that was explained: less, beside a name, is its leftover
+constexpr double kDropLogP = -6.9;  // a member whose loss costs less than this is dropped
 
 bool same_place(const Accepted& a, const Suspect& s) {
   return a.suspect.plugin == s.plugin && a.suspect.at == s.at;
@@ -50,6 +52,7 @@ class Searcher {
       if (!seen_.insert(signature()).second) break;  // it turns in a circle
       progress("searching", (round + 1.0) / options_.most_effects);
     }
+    leftovers();
     alternatives();
     return std::move(result_);
   }
@@ -178,6 +181,30 @@ class Searcher {
         std::rotate(result_.best.effects.begin() + static_cast<long>(i),
                     result_.best.effects.end() - 1, result_.best.effects.end());
       }
+    }
+  }
+
+  // A named effect whose formula is not quite right leaves something at its place, which a curve
+  // takes up. The name stands, the curve is not a finding.
+  void leftovers() {
+    for (std::size_t i = 0; i < result_.best.effects.size();) {
+      const Suspect& curve = result_.best.effects[i].suspect;
+      const bool beside =
+          curve.effect == "unknown" && !curve.joint.empty() &&
+          std::any_of(result_.best.effects.begin(), result_.best.effects.end(),
+                      [&](const Accepted& e) {
+                        return e.suspect.effect != "unknown" && e.suspect.joint == curve.joint;
+                      });
+      if (beside) {
+        const Trial rest = fit_trial(ground_, without(i), result_.best);
+        if (rest.cost2 - result_.best.cost2 <
+            kLeftover * (result_.null.cost2 - result_.best.cost2)) {
+          result_.best = rest;
+          result_.members.erase(result_.members.begin() + static_cast<long>(i));
+          continue;
+        }
+      }
+      ++i;
     }
   }
 

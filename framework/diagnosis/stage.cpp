@@ -16,6 +16,9 @@ namespace {
 // A fit that the stated noise makes so unlikely is judged by what it leaves instead.
 constexpr double kLogMisfit = -7;
 
+// Poses before and after a change point, at least: fewer are blunders rather than a step.
+constexpr int kLeastSide = 4;
+
 Recorded recorded_in(const Recordings& recordings) {
   return [&recordings](const std::string& column) { return recordings.find(column) != nullptr; };
 }
@@ -127,6 +130,7 @@ Linearised linearised(const Ground& ground, const Trial& trial, const StageOptio
   PoseSlots slots =
       slots_of(program, *ground.recordings, groups, x, residuals.poses, residuals.latent);
   Suspects found = suspects(program, *ground.registry, slots, linear, options.suspects);
+  const int last = when.empty() ? 0 : *std::max_element(when.begin(), when.end());
   std::set<int> starts;  // of sessions, places in time
   std::map<int, double> session_at;
   for (std::size_t k = 0; k < when.size(); ++k)
@@ -136,9 +140,12 @@ Linearised linearised(const Ground& ground, const Trial& trial, const StageOptio
   for (std::size_t f = 0; f < found.ways.size(); ++f) {
     Form& form = found.candidates.forms[f];
     const Suspect& s = found.suspects[found.ways[f].suspect];
-    if (!form.onset || s.plugin->declaration.effect.onset_of != Covariate::session) continue;
-    form.onsets.assign(starts.begin(), starts.end());
-    if (starts.empty()) form.onsets = {-1};  // nowhere
+    if (!form.onset) continue;
+    if (s.plugin->declaration.effect.onset_of == Covariate::session)
+      form.onsets.assign(starts.begin(), starts.end());
+    else
+      for (int w = kLeastSide; w <= last - kLeastSide + 1; ++w) form.onsets.push_back(w);
+    if (form.onsets.empty()) form.onsets = {-1};  // nowhere
   }
   base.noise_known = options.noise_known && problem.noise_known();
   return {std::move(compiled), std::move(base),  std::move(found), linear.columns,
