@@ -108,7 +108,7 @@ struct Rival {
 struct ScreenOptions {
   int threads = 1;
   double least_visible = 0.05;  // a combination of amounts of typical size that moves the rows by
-                               // fewer sigmas is not tested
+                                // fewer sigmas is not tested
   std::vector<double> scales = {0.3, 1, 3, 10};  // of the typical amounts, equally likely
   double reach = 10;  // amounts above this many typical ones are no way to imitate another
 };

@@ -43,7 +43,8 @@ const Twin twins[] = {
   value = function(around, p)
     return p.sine * sin(p.order * around.reading) + p.cosine * cos(p.order * around.reading)
   end)"},
-    {"hysteresis", R"(acts = "reading", on = angle, at_joint = true, needs = { "approach", "travel" },
+    {"hysteresis",
+     R"(acts = "reading", on = angle, at_joint = true, needs = { "approach", "travel" },
   half_width = amount(angle, "0.03 deg"), reach = setting(angle, "5 deg", { "4 deg", 0.2 }),
   value = function(around, p)
     return p.half_width * around.approach * (1 - 2 * exp(-around.travel / p.reach))
