@@ -14,16 +14,19 @@ namespace {
 // Below so many sigmas of a pose, what was found is a hint: nobody would notice it in one
 // recording.
 constexpr double kNoticeable = 1;
-constexpr double kSure = 0.8;        // a name is claimed from this probability on
-constexpr double kLastNamed = 0.05;  // rivals below it are not listed as possible
+constexpr double kSure = 0.8;  // a name is claimed from this probability on
+// A misfit that cannot be chance nor a small error of the stated noise.
+constexpr double kImpossible = 1e-6, kPlain = 1.5;
 
 Eigen::VectorXd squares(const Problem::Residuals& r) {
   return r.whitened.size() > 0 ? Eigen::VectorXd(r.whitened.rowwise().squaredNorm())
                                : Eigen::VectorXd(0);
 }
 
-// "joint3" and "encoder3" are one place where the sensor is the joint's.
-std::string channel(const Accepted& e) { return e.suspect.location; }
+// Two effects of one joint: of its sensor, axis or link.
+bool one_place(const Accepted& a, const Accepted& b) {
+  return !a.suspect.joint.empty() && a.suspect.joint == b.suspect.joint;
+}
 
 }  // namespace
 
@@ -53,8 +56,14 @@ class Diagnoser {
     d_.program = program;
     d_.extended_model = model_;
     ordinary();
-    seek();
-    if (reexamine()) seek();  // blunders that the physics found has uncovered, or acquitted
+    // Blunders are looked for again beside the first effect, before others could explain them, and
+    // once more beside all.
+    seek(1);
+    if (!d_.search.best.effects.empty()) {
+      reexamine();
+      seek(options_.search.most_effects);
+      if (reexamine()) seek(options_.search.most_effects);
+    }
     findings();
     progress("judging", 0.9);
     judge();
@@ -114,11 +123,12 @@ class Diagnoser {
     d_.clean = clean_;
   }
 
-  void seek() {
+  void seek(int most_effects) {
     known_ = with_circumstances(model_, registry_, *d_.program, recordings_, clean_.x);
     ground_ = {&model_, &registry_, &known_, split_.fit, options_.fit.threads};
     SearchOptions search_options = options_.search;
     search_options.progress = options_.progress;
+    search_options.most_effects = most_effects;
     d_.search = search(ground_, trial_of(ground_, clean_), search_options);
   }
 
@@ -149,10 +159,35 @@ class Diagnoser {
     const Search& found = d_.search;
     const double poses = static_cast<double>(std::max<std::size_t>(1, split_.fit.size()));
     const double gain = found.null.cost2 - found.best.cost2;
-    claimed_ = !found.best.effects.empty() && std::sqrt(std::max(0.0, gain) / poses) > kNoticeable;
+    const double left = std::max(1.0, found.best.cost2 / std::max(1.0, found.last->dof));
+    claimed_ = !found.best.effects.empty() &&
+               std::sqrt(std::max(0.0, gain) / left / poses) > kNoticeable && !drifting();
     for (std::size_t i = 0; i < found.best.effects.size(); ++i)
       (claimed_ ? d_.findings : d_.hints)
           .push_back(finding(found.best.effects[i], found.members[i], poses));
+  }
+
+  // Several things that wander with the time, each by itself and some in no known way: that is
+  // noise which is not independent from pose to pose.
+  bool drifting() {
+    const std::vector<Accepted>& effects = d_.search.best.effects;
+    bool curve = false;
+    for (const Accepted& e : effects) {
+      const EffectTraits& effect = e.suspect.plugin->declaration.effect;
+      if (effect.needs.empty() ||
+          !std::all_of(effect.needs.begin(), effect.needs.end(), [](Covariate c) {
+            return c == Covariate::time || c == Covariate::pose || c == Covariate::since;
+          }))
+        return false;
+      curve |= effect.unknown;
+    }
+    if (effects.size() < 2 || (!curve && effects.size() < 3)) return false;
+    d_.faults.push_back(
+        {"correlated-noise", "measurement",
+         fmt::format("The noise is not independent from pose to pose: it takes {} separate drifts "
+                     "and steps to follow it.",
+                     effects.size())});
+    return true;
   }
 
   Finding finding(const Accepted& e, const Member& m, double poses) const {
@@ -219,10 +254,18 @@ class Diagnoser {
     for (const Fault& f : d_.faults)
       if (!f.note) words.push_back(f.statement);
     if (!d_.outliers.found.empty()) words.push_back(d_.outliers.statement);
+    const bool misfit =
+        d_.after.noise_known && d_.after.chi2_p < kImpossible && d_.after.noise_scale > kPlain;
     if (d_.findings.empty()) {
       d_.verdict = faulty ? Verdict::bad_data : Verdict::nothing_missing;
       d_.statement = faulty ? join(words, " ") + " Nothing else is seen."
                             : "Nothing is missing that these recordings could show.";
+      if (!faulty && misfit) {
+        d_.verdict = Verdict::ambiguous;
+        d_.statement = fmt::format(
+            "Something is missing: residuals are {:.3g} sigmas. No candidate explains it. {}",
+            d_.after.fit_rms, d_.noise.statement);
+      }
       return;
     }
     bool unknown = false, sure = true;
@@ -231,7 +274,7 @@ class Diagnoser {
       unknown |= f.effect == "unknown";
       sure &= f.probability >= kSure;
       for (const Finding& other : d_.findings)
-        unknown |= &f != &other && channel(f.accepted) == channel(other.accepted);
+        unknown |= &f != &other && one_place(f.accepted, other.accepted);
       f.statement =
           fmt::format("{} at {} (probability {:.2f})", f.effect, f.location, f.probability);
       found.push_back(f.statement);

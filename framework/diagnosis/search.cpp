@@ -13,6 +13,7 @@ namespace talus {
 namespace {
 
 constexpr double kLeastEvidence = 3;  // ln Bayes factor for an effect to be taken in
+constexpr double kCertain = 30;  // the same where no gate was passed, but the fit is impossible
 constexpr double kUnknownPrior = -4;  // ln prior odds of a curve without a cause
 constexpr double kSwap = 3;           // ln by which a rival must be better
 constexpr double kLeftover =
@@ -41,11 +42,13 @@ class Searcher {
       gate_options.studentised = stage->studentised;
       const Gate gate = stage->screen.gate(gate_options);
       if (round == 0) result_.first = gate;
-      if (!gate.open) break;
-      std::vector<Alternative> tried = finalists(*stage, result_.best);
+      std::vector<Alternative> tried;
+      if (gate.open) tried = finalists(*stage, result_.best);
+      if (stage->studentised) unbent(gate.open, tried);
       // By the noise that the best of them leaves, where that is more than stated.
       const double left = std::max(1.0, best_trial_.cost2 / std::max(1.0, stage->dof));
-      if (tried.empty() || tried[0].evidence / left < kLeastEvidence) break;
+      const double least = gate.open ? kLeastEvidence : kCertain;
+      if (tried.empty() || tried[0].evidence / left < least) break;
       result_.best = std::move(best_trial_);
       result_.members.push_back({0, gate, std::move(tried)});
       if (round > 0) backward(), swaps();
@@ -144,6 +147,22 @@ class Searcher {
   static bool taken(const Trial& trial, const Suspect& s) {
     return std::any_of(trial.effects.begin(), trial.effects.end(),
                        [&](const Accepted& a) { return same_place(a, s); });
+  }
+
+  // What is missing may have bent the geometry so far that nothing is seen from there: screening
+  // from the nominal geometry as well. Its finalists take the others' place where they do better.
+  void unbent(bool open, std::vector<Alternative>& tried) {
+    const Trial kept = open ? best_trial_ : Trial{};
+    Trial nominal;
+    nominal.effects = result_.best.effects;
+    for (const auto& [name, value] : result_.best.values)
+      if (!result_.null.values.contains(name)) nominal.values[name] = value;
+    std::vector<Alternative> others =
+        finalists(stage_of(ground_, nominal, stage_options()), result_.best);
+    if (!others.empty() && (tried.empty() || others[0].evidence > tried[0].evidence + kSwap))
+      tried = std::move(others);
+    else
+      best_trial_ = kept;
   }
 
   std::vector<Accepted> without(std::size_t i) const {

@@ -118,6 +118,7 @@ std::string verdict_of(const Diagnosis& d) {
         words.push_back(fmt::format("{} ({:.2f}){}", what(f), f.probability,
                                     rivals.empty() ? "" : " or " + rivals));
       }
+      if (words.empty()) return d.statement;
       return "Something is missing, and these recordings do not settle what: " +
              join(words, "; and ") + ".";
     }
