@@ -40,7 +40,7 @@ class Searcher {
       gate_options.seed = options_.seed + static_cast<std::uint64_t>(round);
       gate_options.threads = ground_.threads;
       gate_options.studentised = stage->studentised;
-      const Gate gate = stage->screen.gate(gate_options);
+      Gate gate = stage->screen.gate(gate_options);
       if (round == 0) result_.first = gate;
       std::vector<Alternative> tried;
       if (gate.open) tried = finalists(*stage, result_.best);
@@ -49,6 +49,8 @@ class Searcher {
       const double left = std::max(1.0, best_trial_.cost2 / std::max(1.0, stage->dof));
       const double least = gate.open ? kLeastEvidence : kCertain;
       if (tried.empty() || tried[0].evidence / left < least) break;
+      // Without the gate the odds against nothing, over all that was tried, bound the chance.
+      if (!gate.open) gate.family_p = std::exp(-tried[0].evidence / left) * gate.tests;
       result_.best = std::move(best_trial_);
       result_.members.push_back({0, gate, std::move(tried)});
       if (round > 0) backward(), swaps();
