@@ -228,6 +228,7 @@ class Diagnoser {
       d_.after = calibrate(*after, known_, split_, fit_options);
       d_.program_after = std::move(after);
     }
+    if (claimed_) d_.blocks = blocks();
     const Eigen::VectorXd before = squares(clean_.residuals_check),
                           after = squares(d_.after.residuals_check);
     if (before.size() == after.size() && before.size() > 0) {
@@ -244,6 +245,22 @@ class Diagnoser {
     fault_options.seed = options_.fit.seed;
     d_.noise = judge_noise(*d_.program_after, known_, split_.fit, d_.after.x, fault_options);
     d_.faults.insert(d_.faults.end(), d_.noise.faults.begin(), d_.noise.faults.end());
+  }
+
+  // By region of the readings that the findings are about, and by session.
+  std::vector<Block> blocks() const {
+    std::vector<std::string> columns;
+    const Program fields = compile_with_fields(
+        model_, registry_,
+        [this](const std::string& column) { return known_.find(column) != nullptr; });
+    for (const Finding& f : d_.findings)
+      for (const EffectPlace& place : fields.places)
+        if (place.acts == Acts::reading && !f.accepted.suspect.joint.empty() &&
+            place.joint == f.accepted.suspect.joint &&
+            std::find(columns.begin(), columns.end(), place.column) == columns.end())
+          columns.push_back(place.column);
+    return held_out_blocks({d_.program.get(), clean_.x}, {d_.program_after.get(), d_.after.x},
+                           known_, split_, columns, options_.fit);
   }
 
   void verdict() {

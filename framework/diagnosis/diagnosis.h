@@ -8,6 +8,7 @@
 
 #include <functional>
 
+#include "framework/diagnosis/blocks.h"
 #include "framework/diagnosis/evidence.h"
 #include "framework/diagnosis/noise.h"
 #include "framework/diagnosis/outliers.h"
@@ -53,6 +54,7 @@ struct Diagnosis {
   Recordings recordings;     // as they were judged: faults corrected
   Split split;               // without copies and blunders
   HeldOut heldout;
+  std::vector<Block> blocks;  // regions and sessions held out, where something was claimed
   Search search;
   std::vector<std::string> warnings;
   double seconds = 0;

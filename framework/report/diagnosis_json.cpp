@@ -161,6 +161,12 @@ std::string diagnosis_json(const Diagnosis& d, const Advice& advice, const Repor
                     {"after", value(d.heldout.after)},
                     {"after_95_percent", {value(d.heldout.after_low), value(d.heldout.after_high)}},
                     {"p_value", value(d.heldout.p_value)}};
+  out["heldout"]["blocks"] = Json::array();
+  for (const Block& b : d.blocks)
+    out["heldout"]["blocks"].push_back({{"name", b.name},
+                                        {"poses", b.poses},
+                                        {"before", value(b.before)},
+                                        {"after", value(b.after)}});
   out["after"] = json_of(d.after, d.program_after->units);
   out["extended_model"] = files.extended_model.empty() ? Json(nullptr) : Json(files.extended_model);
   out["next_poses"] = poses_of(advice.next, *d.program);

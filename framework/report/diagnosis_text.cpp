@@ -101,6 +101,13 @@ class Writer {
     } else {
       if (const std::string held = sentence_of(d_.heldout, b); !held.empty())
         out_ += wrapped(held, "  ", "  ");
+      std::vector<std::string> blocks;
+      for (const Block& block : d_.blocks)
+        blocks.push_back(fmt::format("{}: {:.3g} to {:.3g} ({} poses)", block.name, block.before,
+                                     block.after, block.poses));
+      if (!blocks.empty())
+        out_ += wrapped("Fitted without, and judged there, sigmas: " + join(blocks, "; ") + ".",
+                        "  ", "  ");
       out_ += evidence_table(d_);
     }
     if (!d_.noise.statement.empty()) out_ += wrapped(d_.noise.statement, "  ", "  ");

@@ -56,6 +56,8 @@ TEST_CASE("an effect concealed in recordings is named, and once modelled nothing
   CHECK(d.after.heldout_rms < 1.1);
   CHECK(d.after.heldout_rms < 0.8 * d.baseline.heldout_rms);
   CHECK(d.heldout.p_value < 0.01);
+  REQUIRE(d.blocks.size() == 2);  // both ends of theta3
+  for (const Block& b : d.blocks) CHECK(b.after < 0.8 * b.before);
   // 0.25 and -0.15 deg.
   const Accepted& e = d.findings[0].accepted;
   REQUIRE(e.amounts.size() == 2);
