@@ -1,5 +1,5 @@
 """What the scripts in this folder share: running the command and reading its JSON."""
-import csv, json, math, os, pathlib, subprocess, tempfile
+import csv, json, math, os, pathlib, re, subprocess, tempfile
 
 root = pathlib.Path(__file__).resolve().parents[2]
 talus = os.environ.get("TALUS", str(root / "build/talus"))
@@ -35,6 +35,23 @@ def rms(values):
 def write(file, text):
     pathlib.Path(root, file).write_text(text, encoding="utf-8")
     print(f"wrote {file}")
+
+
+def share(hits, runs):
+    """A count with the 95 % interval of Wilson."""
+    z, p = 1.96, hits / max(1, runs)
+    middle, half = p + z * z / (2 * runs), z * math.sqrt(p * (1 - p) / runs + z * z / (4 * runs * runs))
+    below, above = (max(0, middle - half), middle + half)
+    return f"{hits} of {runs} ({100 * below / (1 + z * z / runs):.1f} to {100 * above / (1 + z * z / runs):.1f} %)"
+
+
+def fill(file, part, lines):
+    """Puts lines between `<!-- part: NAME -->` and the next `<!-- end -->` of a page."""
+    text = pathlib.Path(root, file).read_text(encoding="utf-8")
+    marked = rf"(<!-- part: {part} -->\n).*?(<!-- end -->)"
+    if not re.search(marked, text, flags=re.S):
+        raise SystemExit(f"{file} has no lines \"<!-- part: {part} -->\" and \"<!-- end -->\"")
+    write(file, re.sub(marked, lambda m: m[1] + "\n".join(lines) + "\n" + m[2], text, flags=re.S))
 
 
 def generated(script, *arguments):
