@@ -159,9 +159,8 @@ class Diagnoser {
     const Search& found = d_.search;
     const double poses = static_cast<double>(std::max<std::size_t>(1, split_.fit.size()));
     const double gain = found.null.cost2 - found.best.cost2;
-    const double left = std::max(1.0, found.best.cost2 / std::max(1.0, found.last->dof));
     claimed_ = !found.best.effects.empty() &&
-               std::sqrt(std::max(0.0, gain) / left / poses) > kNoticeable && !drifting();
+               std::sqrt(std::max(0.0, gain) / found.left / poses) > kNoticeable && !drifting();
     for (std::size_t i = 0; i < found.best.effects.size(); ++i)
       (claimed_ ? d_.findings : d_.hints)
           .push_back(finding(found.best.effects[i], found.members[i], poses));

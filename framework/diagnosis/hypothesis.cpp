@@ -11,7 +11,8 @@
 namespace talus {
 namespace {
 
-constexpr double kLoose = 100;  // amounts may be so many typical ones
+// Amounts may be so many typical ones; a curve without a cause must not swing freely.
+constexpr double kLoose = 100, kLooseCurve = 10;
 
 // Values at the entries of x: by name where known.
 std::vector<double> start_of(const Problem& problem, const std::map<std::string, double>& values) {
@@ -94,9 +95,7 @@ class Fitter {
     }
     const auto& parameters = trial_.program->parameters;
     for (Accepted& e : trial_.effects) {
-      const std::string owner = e.suspect.at.empty()
-                                    ? e.suspect.plugin->declaration.tag
-                                    : e.suspect.plugin->declaration.tag + "_" + e.suspect.at;
+      const std::string owner = owner_of(e);
       for (std::size_t a = 0; a < e.way.amounts.size(); ++a)
         for (std::size_t i = 0; i < parameters.size(); ++i)
           if (parameters[i].element == owner && parameters[i].attribute == e.way.amounts[a]) {
@@ -128,8 +127,8 @@ Model extended(const Model& model, const std::vector<Accepted>& effects, const U
   for (const Accepted& e : effects) {
     std::vector<AmountValue> amounts;
     for (std::size_t a = 0; a < e.amounts.size(); ++a)
-      amounts.push_back(
-          {e.amounts[a], (e.suspect.effect == "unknown" ? 10 : kLoose) * e.way.typical[a]});
+      amounts.push_back({e.amounts[a], (e.suspect.effect == "unknown" ? kLooseCurve : kLoose) *
+                                           e.way.typical[a]});
     result.root.children.push_back(element_of(e.suspect, e.way, amounts, system));
   }
   return result;
