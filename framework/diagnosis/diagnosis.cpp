@@ -125,7 +125,8 @@ class Diagnoser {
 
   void seek(int most_effects) {
     known_ = with_circumstances(model_, registry_, *d_.program, recordings_, clean_.x);
-    ground_ = {&model_, &registry_, &known_, split_.fit, options_.fit.threads};
+    ground_ = {&model_, &registry_, &known_, split_.fit, options_.fit.threads, {}};
+    ground_.scale = scale_of_rows(ground_, clean_);
     SearchOptions search_options = options_.search;
     search_options.progress = options_.progress;
     search_options.most_effects = most_effects;

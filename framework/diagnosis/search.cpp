@@ -76,11 +76,12 @@ class Searcher {
     return join(parts);
   }
 
-  // The variance that a hypothesis leaves, by the stated noise.
+  // The variance that a hypothesis leaves; where it is stated, at least that.
   double left_by(const Trial& trial) const {
     double dof = result_.stage->dof;
     for (const Accepted& e : trial.effects) dof -= static_cast<double>(e.amounts.size());
-    return std::max(1.0, trial.cost2 / std::max(1.0, dof));
+    const double left = trial.cost2 / std::max(1.0, dof);
+    return ground_.scale.empty() ? std::max(1.0, left) : left;
   }
 
   StageOptions stage_options() const { return {options_.suspects}; }
@@ -89,35 +90,35 @@ class Searcher {
     if (options_.progress) options_.progress(step, share);
   }
 
-  // The most promising candidates beside a hypothesis, fitted for real; the best first.
-  std::vector<Alternative> finalists(const Stage& stage, const Trial& base) {
-    const std::vector<Score> scores = stage.screen.scores();
-    struct Entry {
-      const Score* score;
-      double evidence;
-    };
-    std::vector<Entry> entries;
+  // A form as the screening sees it.
+  struct Entry {
+    const Score* score;
+    int suspect;
+    double evidence;
+    double prior;  // ln, its share of the suspect and the change points included
+  };
+
+  std::vector<Entry> ranked(const Stage& stage, const std::vector<Score>& scores,
+                            const Trial& base) const {
     std::vector<int> forms(stage.suspects.suspects.size(), 0);
     for (const Way& way : stage.suspects.ways) ++forms[way.suspect];
+    std::vector<Entry> entries;
     for (const Score& s : scores) {
-      const Way& way = stage.suspects.ways[s.pick.form];
-      const Suspect& suspect = stage.suspects.suspects[way.suspect];
+      const int of = stage.suspects.ways[s.pick.form].suspect;
+      const Suspect& suspect = stage.suspects.suspects[of];
       if (s.freedom == 0 || taken(base, suspect)) continue;
-      const double prior = suspect.effect == "unknown" ? kUnknownPrior : 0;
-      entries.push_back({&s, s.log_bayes - std::log(forms[way.suspect]) + prior});
+      double prior = (suspect.effect == "unknown" ? kUnknownPrior : 0) - std::log(forms[of]);
+      if (s.pick.from >= 0) prior += s.log_bayes - stage.screen.score(s.pick).log_bayes;
+      entries.push_back({&s, of, s.log_bayes + prior, prior});
     }
     std::stable_sort(entries.begin(), entries.end(),
                      [](const Entry& a, const Entry& b) { return a.evidence > b.evidence; });
-    std::vector<std::vector<Accepted>> hypotheses;
-    std::vector<Alternative> result;
-    std::vector<int> count(stage.suspects.suspects.size(), 0);
-    const double top = entries.empty() ? 0 : entries[0].evidence;
-    auto add = [&](const Entry& e) {
-      hypotheses.push_back(base.effects);
-      hypotheses.back().push_back(stage.accepted(ground_, *e.score));
-      // Occam's term of the screening, the gain of the refit.
-      result.push_back({hypotheses.back().back(), e.evidence - e.score->all / 2, 0, 0});
-    };
+    return entries;
+  }
+
+  // The leading entries, and what else can act at the places of the first: screening goes by a
+  // geometry that the missing effect has bent.
+  std::vector<Entry> leading(const Stage& stage, const std::vector<Entry>& entries) const {
     std::vector<Pick> picks;
     for (std::size_t i = 0; i < std::min(entries.size(), kCompared); ++i)
       picks.push_back(entries[i].score->pick);
@@ -126,35 +127,60 @@ class Searcher {
     const auto classes = stage.screen.classes(picks);
     for (std::size_t c = 0; c < classes.size(); ++c)
       for (const int i : classes[c]) kind[i] = static_cast<int>(c);
+    std::vector<Entry> result;
+    std::vector<int> count(stage.suspects.suspects.size(), 0);
     std::set<int> leaders;
     std::set<std::string> places;
+    const double top = entries.empty() ? 0 : entries[0].evidence;
     for (std::size_t i = 0; i < entries.size(); ++i) {
       const Entry& e = entries[i];
-      const int s = stage.suspects.ways[e.score->pick.form].suspect;
-      const std::string& joint = stage.suspects.suspects[s].joint;
-      const bool leading =
+      const std::string& joint = stage.suspects.suspects[e.suspect].joint;
+      const bool leads =
           kind[i] >= 0 && e.evidence > top - std::max(25.0, 0.5 * std::abs(top)) &&
           (leaders.contains(kind[i]) || static_cast<int>(leaders.size()) < options_.finalists);
-      // At the places of the first, everything that can act there: screening goes by a geometry
-      // that the missing effect has bent.
       const bool neighbour = places.contains(joint) && e.evidence > 0;
-      if ((!leading && !neighbour) || ++count[s] > (leading ? 2 : 1)) continue;
+      if ((!leads && !neighbour) || ++count[e.suspect] > (leads ? 2 : 1)) continue;
       if (result.size() < 2 && !joint.empty()) places.insert(joint);
-      if (leading) leaders.insert(kind[i]);
-      add(e);
+      if (leads) leaders.insert(kind[i]);
+      result.push_back(e);
       if (static_cast<int>(result.size()) >= 2 * options_.finalists) break;
     }
-    if (hypotheses.empty()) return {};
+    return result;
+  }
+
+  // Of every suspect the form that does best.
+  static std::vector<Entry> one_of_each(const std::vector<Entry>& entries) {
+    std::vector<Entry> result;
+    std::set<int> seen;
+    for (const Entry& e : entries)
+      if (seen.insert(e.suspect).second) result.push_back(e);
+    return result;
+  }
+
+  // The most promising candidates beside a hypothesis, or one of each, fitted for real; the best
+  // first.
+  std::vector<Alternative> finalists(const Stage& stage, const Trial& base, bool all = false) {
+    const std::vector<Score> scores = stage.screen.scores();
+    std::vector<Entry> entries = ranked(stage, scores, base);
+    entries = all ? one_of_each(entries) : leading(stage, entries);
+    if (entries.empty()) return {};
+    std::vector<std::vector<Accepted>> hypotheses(entries.size(), base.effects);
+    for (std::size_t i = 0; i < entries.size(); ++i)
+      hypotheses[i].push_back(stage.accepted(ground_, *entries[i].score));
     TrialOptions trial_options;
     trial_options.from_nominal = true;
     std::vector<Trial> trials = fit_trials(ground_, hypotheses, base, trial_options);
+    std::vector<Alternative> result;
     std::size_t best = 0;
     for (std::size_t i = 0; i < trials.size(); ++i) {
-      result[i].cost2 = trials[i].cost2;
-      result[i].evidence += (base.cost2 - trials[i].cost2) / 2;
-      if (!std::isfinite(result[i].evidence)) result[i].evidence = -1e300;
-      result[i].effect = trials[i].effects.empty() ? result[i].effect : trials[i].effects.back();
-      if (result[i].evidence > result[best].evidence) best = i;
+      const Accepted& effect = trials[i].effects.back();
+      const Eigen::Map<const Eigen::VectorXd> amounts(
+          effect.amounts.data(), static_cast<Eigen::Index>(effect.amounts.size()));
+      double evidence = entries[i].prior + stage.screen.occam(entries[i].score->pick, amounts) +
+                        (base.cost2 - trials[i].cost2) / 2;
+      if (!std::isfinite(evidence)) evidence = -1e300;
+      result.push_back({effect, evidence, trials[i].cost2, 0});
+      if (evidence > result[best].evidence) best = i;
     }
     best_trial_ = trials[best];
     std::stable_sort(result.begin(), result.end(), [](const Alternative& a, const Alternative& b) {
