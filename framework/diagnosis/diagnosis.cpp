@@ -125,7 +125,8 @@ class Diagnoser {
 
   void seek(int most_effects) {
     known_ = with_circumstances(model_, registry_, *d_.program, recordings_, clean_.x);
-    ground_ = {&model_, &registry_, &known_, split_.fit, options_.fit.threads};
+    ground_ = {&model_, &registry_, &known_, split_.fit, options_.fit.threads, {}};
+    ground_.scale = scale_of_rows(ground_, clean_);
     SearchOptions search_options = options_.search;
     search_options.progress = options_.progress;
     search_options.most_effects = most_effects;
@@ -159,9 +160,8 @@ class Diagnoser {
     const Search& found = d_.search;
     const double poses = static_cast<double>(std::max<std::size_t>(1, split_.fit.size()));
     const double gain = found.null.cost2 - found.best.cost2;
-    const double left = std::max(1.0, found.best.cost2 / std::max(1.0, found.last->dof));
     claimed_ = !found.best.effects.empty() &&
-               std::sqrt(std::max(0.0, gain) / left / poses) > kNoticeable && !drifting();
+               std::sqrt(std::max(0.0, gain) / found.left / poses) > kNoticeable && !drifting();
     for (std::size_t i = 0; i < found.best.effects.size(); ++i)
       (claimed_ ? d_.findings : d_.hints)
           .push_back(finding(found.best.effects[i], found.members[i], poses));

@@ -39,7 +39,7 @@ struct Search {
   std::vector<Member> members;   // as best.effects
   Gate first;                    // of the first round
   std::shared_ptr<Stage> stage;  // of `null`: what could be seen at all
-  std::shared_ptr<Stage> last;   // of `best`
+  double left = 1;               // variance that `best` leaves, by the stated noise; at least 1
 };
 
 Search search(const Ground& ground, const Trial& null, const SearchOptions& options = {});
