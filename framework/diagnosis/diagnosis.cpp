@@ -17,6 +17,9 @@ constexpr double kNoticeable = 1;
 constexpr double kByCatch = 0.15;     // share of all explained, beside what wanders with the time
 constexpr double kCorrelated = 1e-6;  // chance of neighbours in time as much alike
 constexpr double kSure = 0.8;         // a name is claimed from this probability on
+// A formula that is right within a fifth leaves up to a twenty-fifth of its chi-square. What is no
+// more than that, beside a finding of the same joint, may be its leftover and is not named.
+constexpr double kRemainder = 0.04;
 // A misfit that cannot be chance nor a small error of the stated noise.
 constexpr double kImpossible = 1e-6, kPlain = 1.5;
 constexpr double kClean = 1e-3;  // chance of a misfit that leaves nothing to explain
@@ -204,6 +207,18 @@ class Diagnoser {
     for (std::size_t i = 0; i < found.best.effects.size(); ++i)
       (claimed_ ? d_.findings : d_.hints)
           .push_back(finding(found.best.effects[i], found.members[i], poses));
+    for (std::size_t i = d_.findings.size(); i-- > 0;)
+      if (remainder(d_.findings[i])) {
+        d_.hints.insert(d_.hints.begin(), std::move(d_.findings[i]));
+        d_.findings.erase(d_.findings.begin() + static_cast<long>(i));
+      }
+  }
+
+  bool remainder(const Finding& f) const {
+    return std::any_of(d_.findings.begin(), d_.findings.end(), [&](const Finding& other) {
+      return &f != &other && other.effect != "unknown" && one_place(f.accepted, other.accepted) &&
+             f.delta_chi2 < kRemainder * other.delta_chi2;
+    });
   }
 
   // Several things that wander with the time, each by itself and some in no known way: that is
@@ -271,13 +286,14 @@ class Diagnoser {
       d_.after = calibrate(*after, known_, split_, fit_options);
       d_.program_after = std::move(after);
     }
-    if (claimed_) d_.blocks = blocks();
-    const Eigen::VectorXd before = squares(clean_.residuals_check),
-                          after = squares(d_.after.residuals_check);
-    if (before.size() == after.size() && before.size() > 0) {
-      const double rows =
-          before.sum() / std::pow(clean_.heldout_rms, 2) / static_cast<double>(before.size());
-      d_.heldout = held_out(before, after, rows, options_.fit.seed);
+    compare();
+    if (claimed_ && d_.heldout.after_low > d_.heldout.before) {
+      d_.withdrawn = true;
+      d_.extended_model = model_;
+      d_.after = clean_, d_.program_after = d_.program;
+      compare();
+    } else if (claimed_) {
+      d_.blocks = blocks();
     }
     for (Finding& f : d_.findings) {
       f.heldout_before = clean_.heldout_rms;
@@ -285,6 +301,15 @@ class Diagnoser {
     }
     d_.noise = judge_noise(*d_.program_after, known_, split_.fit, d_.after.x, fault_options());
     d_.faults.insert(d_.faults.end(), d_.noise.faults.begin(), d_.noise.faults.end());
+  }
+
+  void compare() {
+    const Eigen::VectorXd before = squares(clean_.residuals_check),
+                          after = squares(d_.after.residuals_check);
+    if (before.size() != after.size() || before.size() == 0) return;
+    const double rows =
+        before.sum() / std::pow(clean_.heldout_rms, 2) / static_cast<double>(before.size());
+    d_.heldout = held_out(before, after, rows, options_.fit.seed);
   }
 
   // By region of the readings that the findings are about, and by session.
@@ -341,12 +366,13 @@ class Diagnoser {
           fmt::format("{} at {} (probability {:.2f})", f.effect, f.location, f.probability);
       found.push_back(f.statement);
     }
-    d_.verdict = unknown ? Verdict::unknown_physics
-                 : sure  ? Verdict::explained
-                         : Verdict::ambiguous;
+    d_.verdict = unknown || d_.withdrawn ? Verdict::unknown_physics
+                 : sure                  ? Verdict::explained
+                                         : Verdict::ambiguous;
     d_.statement =
         join(found, " and ") + fmt::format("; rows held out: {:.3g} sigmas instead of {:.3g}.",
                                            d_.after.heldout_rms, clean_.heldout_rms);
+    if (d_.withdrawn) d_.statement = join(found, " and ") + ". " + kWithdrawn;
     if (!words.empty()) d_.statement += " " + join(words, " ");
   }
 
