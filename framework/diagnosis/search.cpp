@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 
 #include "framework/diagnosis/tails.h"
@@ -15,13 +16,21 @@ namespace {
 constexpr double kLeastEvidence = 3;  // ln Bayes factor for an effect to be taken in
 constexpr double kCertain = 30;  // the same where no gate was passed, but the fit is impossible
 constexpr double kUnknownPrior = -4;  // ln prior odds of a curve without a cause
+constexpr double kChance = -4.6;      // ln of the chance that is borne with, all candidates counted
 constexpr double kSwap = 3;           // ln by which a rival must be better
 constexpr double kLeftover = 0.15;  // share of all explained: less, beside a name, is its leftover
 constexpr std::size_t kCompared = 64;  // of the best, which are told apart by these poses?
+constexpr int kFormsOfEach = 3;        // where everything is tried
 constexpr double kDropLogP = -6.9;     // a member whose loss costs less than this is dropped
 
 bool same_place(const Accepted& a, const Suspect& s) {
   return a.suspect.plugin == s.plugin && a.suspect.at == s.at;
+}
+
+std::vector<Accepted> without(const Trial& trial, std::size_t i) {
+  std::vector<Accepted> rest = trial.effects;
+  rest.erase(rest.begin() + static_cast<long>(i));
+  return rest;
 }
 
 class Searcher {
@@ -44,12 +53,12 @@ class Searcher {
       std::vector<Alternative> tried;
       if (gate.open) tried = finalists(*stage, result_.best);
       if (stage->studentised) unbent(gate.open, tried);
-      // By the noise that the best of them leaves, where that is more than stated.
-      const double left = tried.empty() ? 1 : left_by(best_trial_);
       const double least = gate.open ? kLeastEvidence : kCertain;
-      if (tried.empty() || tried[0].evidence / left < least) break;
+      if (!convincing(tried, least) && stage->studentised) tried = everything();
+      if (!convincing(tried, least)) break;
       // Without the gate the odds against nothing, over all that was tried, bound the chance.
-      if (!gate.open) gate.family_p = std::exp(-tried[0].evidence / left) * gate.tests;
+      if (!gate.open)
+        gate.family_p = std::exp(-tried[0].evidence / left_by(best_trial_)) * gate.tests;
       result_.best = std::move(best_trial_);
       result_.members.push_back({0, gate, std::move(tried)});
       ++rounds_;
@@ -148,21 +157,21 @@ class Searcher {
     return result;
   }
 
-  // Of every suspect the form that does best.
-  static std::vector<Entry> one_of_each(const std::vector<Entry>& entries) {
+  // Of every suspect the forms that do best.
+  static std::vector<Entry> some_of_each(const std::vector<Entry>& entries) {
     std::vector<Entry> result;
-    std::set<int> seen;
+    std::map<int, int> count;
     for (const Entry& e : entries)
-      if (seen.insert(e.suspect).second) result.push_back(e);
+      if (++count[e.suspect] <= kFormsOfEach) result.push_back(e);
     return result;
   }
 
-  // The most promising candidates beside a hypothesis, or one of each, fitted for real; the best
-  // first.
+  // The most promising candidates beside a hypothesis, or some forms of each, fitted for real; the
+  // best first.
   std::vector<Alternative> finalists(const Stage& stage, const Trial& base, bool all = false) {
     const std::vector<Score> scores = stage.screen.scores();
     std::vector<Entry> entries = ranked(stage, scores, base);
-    entries = all ? one_of_each(entries) : leading(stage, entries);
+    entries = all ? some_of_each(entries) : leading(stage, entries);
     if (entries.empty()) return {};
     std::vector<std::vector<Accepted>> hypotheses(entries.size(), base.effects);
     for (std::size_t i = 0; i < entries.size(); ++i)
@@ -198,27 +207,36 @@ class Searcher {
   // from the nominal geometry as well. Its finalists take the others' place where they do better.
   void unbent(bool open, std::vector<Alternative>& tried) {
     const Trial kept = open ? best_trial_ : Trial{};
-    Trial nominal;
-    nominal.effects = result_.best.effects;
-    for (const auto& [name, value] : result_.best.values)
-      if (!result_.null.values.contains(name)) nominal.values[name] = value;
-    std::vector<Alternative> others =
-        finalists(stage_of(ground_, nominal, stage_options()), result_.best);
+    std::vector<Alternative> others = finalists(at_nominal(), result_.best);
     if (!others.empty() && (tried.empty() || others[0].evidence > tried[0].evidence + kSwap))
       tried = std::move(others);
     else
       best_trial_ = kept;
   }
 
-  std::vector<Accepted> without(std::size_t i) const {
-    std::vector<Accepted> rest = result_.best.effects;
-    rest.erase(rest.begin() + static_cast<long>(i));
-    return rest;
+  // Where the fit is impossible and no promising candidate explains it: each that there is.
+  std::vector<Alternative> everything() {
+    progress("trying every candidate", 0);
+    return finalists(at_nominal(), result_.best, true);
+  }
+
+  // What was accepted, with the geometry as it was before any fit.
+  Stage at_nominal() const {
+    Trial nominal;
+    nominal.effects = result_.best.effects;
+    for (const auto& [name, value] : result_.best.values)
+      if (!result_.null.values.contains(name)) nominal.values[name] = value;
+    return stage_of(ground_, nominal, stage_options());
+  }
+
+  // By the noise that the best of them leaves, where that is more than stated.
+  bool convincing(const std::vector<Alternative>& tried, double least) const {
+    return !tried.empty() && tried[0].evidence / left_by(best_trial_) >= least;
   }
 
   void backward() {
     for (std::size_t i = 0; i < result_.best.effects.size();) {
-      const Trial rest = fit_trial(ground_, without(i), result_.best);
+      const Trial rest = fit_trial(ground_, without(result_.best, i), result_.best);
       const double loss = rest.cost2 - result_.best.cost2,
                    freedom = static_cast<double>(result_.best.effects[i].amounts.size());
       if (log_chi2_tail(std::max(0.0, loss / left_by(result_.best)), freedom) > kDropLogP) {
@@ -232,7 +250,7 @@ class Searcher {
 
   void swaps() {
     for (std::size_t i = 0; i < result_.best.effects.size(); ++i) {
-      const Trial rest = fit_trial(ground_, without(i), result_.best);
+      const Trial rest = fit_trial(ground_, without(result_.best, i), result_.best);
       const Stage stage = stage_of(ground_, rest, stage_options());
       std::vector<Alternative> tried = finalists(stage, rest);
       if (tried.empty()) continue;
@@ -259,7 +277,7 @@ class Searcher {
                         return e.suspect.effect != "unknown" && e.suspect.joint == curve.joint;
                       });
       if (beside) {
-        const Trial rest = fit_trial(ground_, without(i), result_.best);
+        const Trial rest = fit_trial(ground_, without(result_.best, i), result_.best);
         if (rest.cost2 - result_.best.cost2 <
             kLeftover * (result_.null.cost2 - result_.best.cost2)) {
           result_.best = rest;
@@ -278,7 +296,7 @@ class Searcher {
       Member& m = result_.members[i];
       Trial rest = result_.null;
       if (effects.size() > 1 || rounds_ > 1) {
-        rest = fit_trial(ground_, without(i), result_.best);
+        rest = fit_trial(ground_, without(result_.best, i), result_.best);
         const Stage stage = stage_of(ground_, rest, stage_options());
         m.alternatives = finalists(stage, rest);
       }
@@ -314,6 +332,29 @@ class Searcher {
 };
 
 }  // namespace
+
+int discount(const Ground& ground, Search& search, double factor) {
+  int dropped = 0;
+  while (!search.best.effects.empty()) {
+    std::vector<Trial> rests;
+    std::size_t weakest = 0;
+    double most = -std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < search.best.effects.size(); ++i) {
+      rests.push_back(fit_trial(ground, without(search.best, i), search.best));
+      const double gain = rests[i].cost2 - search.best.cost2;
+      search.members[i].gain = gain;
+      const double log_p =
+          log_chi2_tail(std::max(0.0, gain * factor / search.left),
+                        static_cast<double>(search.best.effects[i].amounts.size()));
+      if (log_p > most) most = log_p, weakest = i;
+    }
+    if (most + std::log(std::max(1, search.first.tests)) < kChance) break;
+    search.best = std::move(rests[weakest]);
+    search.members.erase(search.members.begin() + static_cast<long>(weakest));
+    ++dropped;
+  }
+  return dropped;
+}
 
 Search search(const Ground& ground, const Trial& null, const SearchOptions& options) {
   return Searcher(ground, options).run(null);

@@ -44,4 +44,8 @@ struct Search {
 
 Search search(const Ground& ground, const Trial& null, const SearchOptions& options = {});
 
+// Drops the members that chance makes too easily where noise is correlated from pose to pose, so
+// that every chi-square counts for less by this factor. Says how many.
+int discount(const Ground& ground, Search& search, double factor);
+
 }  // namespace talus
