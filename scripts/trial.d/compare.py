@@ -33,8 +33,8 @@ def compared(trial, truths, found, bad):
 
 def attainable(trial, truths, claims, facts):
     """Fits of the truth's form, and of forms in which a claim stands for a truth, on sound rows only."""
-    own = [t.element(free=True) for t in truths]
-    fits = {"rigid": [], "truth": own, "claimed": [c["element"] for c in claims]}
+    own = [t.element(free=True) if t.seen else "" for t in truths]
+    fits = {"rigid": [], "truth": [e for e in own if e], "claimed": [c["element"] for c in claims]}
     for name, elements in fits.items():
         if name != "claimed" or all(elements):
             fit = fitted(trial, elements)
@@ -46,7 +46,7 @@ def attainable(trial, truths, claims, facts):
         for j in range(len(truths)):
             if any(o["is"] == j for o in claims):
                 continue
-            fit = fitted(trial, [e for i, e in enumerate(own) if i != j] + [c["element"]])
+            fit = fitted(trial, [e for i, e in enumerate(own) if i != j and e] + [c["element"]])
             if fit and fit["chi2"] < best + TWIN:
                 c["twin"] = j
                 break

@@ -16,6 +16,7 @@ class Truth:
     amounts: dict = dataclasses.field(default_factory=dict)   # name: (value, unit)
     usual: dict = dataclasses.field(default_factory=dict)     # name: usual size
     catalogued: bool = True
+    seen: bool = True    # whether it moves anything that is measured
     words: str = ""      # of an effect outside the catalogue: its form
     strength: float = 0  # sigmas per pose that neither geometry nor the other effects take up
 

@@ -66,7 +66,7 @@ class Trial:
     def left(self, truths, beside=()):
         """Sigmas per pose of these effects' signal, without noise, that neither geometry nor the effects `beside` take up."""
         command.write(self.folder / "quiet.csv", *self.simulated(truths, "raw.csv", 0))
-        fit = self.forms.fit("quiet.csv", [t.element(free=True) for t in beside], self.lua)
+        fit = self.forms.fit("quiet.csv", [t.element(free=True) for t in beside if t.seen], self.lua)
         return math.sqrt(fit["chi2"] / self.fitted)
 
     # The truth
@@ -99,7 +99,7 @@ class Trial:
         try:
             unit = self.left([truth])
             if unit < 1e-4:
-                return truth.scaled(MOST)
+                return dataclasses.replace(truth.scaled(MOST), seen=False)
             truth = truth.scaled(min(MOST, aim / unit))
             now = self.left([truth])  # strong effects are not proportional
             return truth if now < 2 * aim else truth.scaled(aim / now)
