@@ -101,9 +101,9 @@ def stated(r):
 
 def faults_found(r):
     """Of recordings with a wrong column: is it said, with the right column's name?"""
-    what, *where = r["wrong"].replace(",", " ").split()
+    what, *where = r["faulty"]
     where = [w.split("[")[0] for w in where]
-    return any(kind == what and any(w in place for w in where) for kind, place in r["faults"])
+    return any(kind == what and any(w in place or w.split(".")[0] == place for w in where) for kind, place in r["faults"])
 
 
 def failures(records):

@@ -10,7 +10,7 @@ from forms import Forms
 KINDS = {"nothing": 18, "more noise": 2, "heavy tails": 2, "wandering noise": 3, "blunders": 3, "wrong column": 4,
          "one effect": 36, "two effects": 12, "three effects": 5, "effect and blunders": 4, "unknown": 11}
 COUNTS = {"one effect": 1, "two effects": 2, "three effects": 3, "effect and blunders": 1}
-MOST = 30                     # times its usual size: larger effects are not drawn
+MOST = 10                     # times its usual size: larger effects are not drawn
 WEAKEST, STRONGEST = 0.5, 25  # sigmas per pose: sizes are drawn between, uniformly in the logarithm
 ABSORBED = 0.2                # below so many sigmas per pose nothing is seen; of such effects a quarter is kept
 
@@ -48,7 +48,7 @@ class Trial:
         self.use = ["check" if k in held else "fit" for k in range(len(rows))]
         self.fitted = len(rows) - len(held)
         self.seed = draw.randrange(1, 10**6)
-        self.lua = ""
+        self.lua, self.faulty = "", []
         self.forms = Forms(folder, self.nominal)
 
     # Recordings
@@ -59,7 +59,8 @@ class Trial:
             (self.folder / "strange.lua").write_text(self.lua, encoding="utf-8")
         self.forms.write("key.xml", self.true, [t.element() for t in truths], self.lua)
         names, rows = command.simulate(self.folder, "key.xml", "poses.csv", file, self.seed, noise)
-        known = [n for n in self.table[0] if n not in names]
+        hidden = [f"{a[0]}[{a[1]}]" for a in self.axes if a[3].moved_by not in self.sensors]  # nobody reads these
+        known = [n for n in self.table[0] if n not in [*names, *hidden]]
         more = [[str(row[self.table[0].index(n)]) for n in known] for row in self.table[1]]
         return [*names, *known, "use"], [[*row, *m, u] for row, m, u in zip(rows, more, self.use)]
 
@@ -124,6 +125,7 @@ class Trial:
         if self.kind == "wrong column":
             names = [f"{a[0]}[{a[1]}]" for a in self.axes] if self.sensors else [n for n in table[0] if n.endswith("[mm]")]
             table, what, where = spoil.wrong_column(table, names, self.draw)
+            self.faulty = [what, *where, *(a[3].moved_by for a in self.axes if f"{a[0]}[{a[1]}]" in where)]
             return table, f"{what} {', '.join(where)}", []
         return table, "", []
 
@@ -144,5 +146,5 @@ class Trial:
         facts = compared(self, truths, found, bad)
         key = [{**dataclasses.asdict(t), "element": t.element()} for t in truths]
         return {"seed": seed, "trial": number, "device": self.device.name, "kind": self.kind, "poses": len(rows),
-                "motion": self.motion, "truths": key, "wrong": wrong, "bad": [k + 1 for k in bad], **facts,
+                "motion": self.motion, "truths": key, "wrong": wrong, "faulty": self.faulty, "bad": [k + 1 for k in bad], **facts,
                 "seconds": round(seconds, 2), "all_seconds": round(time.monotonic() - begun, 2)}
