@@ -15,12 +15,14 @@ def compared(trial, truths, found, bad):
                "rivals": [[same.get(r["effect"], r["effect"]), r["location"], r["probability"]] for r in f["rivals"]],
                "sigmas": f["evidence"].get("sigmas_per_pose")} for f in found["findings"]]
     elements = claimed(trial.folder / "box", found)
+    if len(elements) != len(claims):
+        raise ValueError(f"{len(claims)} findings, but {len(elements)} effects in the extended model")
     for i, c in enumerate(claims):
-        c["element"] = elements[i] if i < len(elements) else ""
+        c["element"] = wide(elements[i])
         c["is"] = next((j for j, t in enumerate(truths) if (t.effect, t.location) == (c["effect"], c["location"])), None)
         c["place"] = next((j for j, t in enumerate(truths) if same_place(trial, t.location, c["location"])), None)
         if c["is"] is not None:
-            c["errors"] = errors(truths[c["is"]], c["element"])
+            c["errors"] = errors(truths[c["is"]], elements[i])
     facts = {"verdict": found["verdict"], "claims": claims, "hints": [[h["effect"], h["location"]] for h in found["hints"]],
              "outliers": found["outliers"], "faults": [[f["kind"], f["where"]] for f in found["faults"]],
              "noise": {k: found["noise"][k] for k in ("scale", "p_value", "p_white")},
@@ -70,15 +72,13 @@ def claimed(folder, found):
         if plugins.get(e.tag, {}).get("family") == "effect" and xml.tostring(e) not in nominal:
             e.tail = None
             result.append(e)
-    return [xml.tostring(wide(e), encoding="unicode") for e in result]
+    return [xml.tostring(e, encoding="unicode") for e in result]
 
 
-def wide(e):
+def wide(element):
     """Amounts with room to move: ten times what they are or are uncertain by."""
-    for name, text in list(e.attrib.items()):
-        if m := re.match(r"(\S+) ± (\S+)(.*)", text):
-            e.set(name, f"{m[1]} ± {10 * max(abs(float(m[1])), float(m[2])):.6g}{m[3]}")
-    return e
+    room = lambda m: f'"{m[1]} ± {10 * max(abs(float(m[1])), float(m[2])):.6g}{m[3]}"'
+    return re.sub(r'"([^" ]+) ± ([^" ]+)([^"]*)"', room, element)
 
 
 def same_place(trial, one, other):
@@ -88,19 +88,21 @@ def same_place(trial, one, other):
 
 
 def errors(truth, element):
-    """Of the amounts of the right effect: the error as a share of their size. None where other settings were chosen."""
-    if not element:
-        return None
+    """Of the amounts of the right effect, in their usual sizes: the error as a share of the truth. What the recordings hardly show of an
+    amount does not count. None where other settings were chosen."""
     e = xml.fromstring(element)
     if truth.driver and e.get("driver") != truth.driver:
         return None
     number = lambda text: float(text.split()[0])
-    scale = 1.0
     for name, (value, _) in truth.settings.items():
         if name in e.attrib and name not in ("pose", "session") and abs(number(e.get(name)) - value) > 1e-6 * abs(value):
             return None
-    if "per" in e.attrib:  # amounts refer to that angle; 30 deg where nothing is said
-        scale = 30 / number(e.get("per"))
-    off = [scale * number(e.get(n)) - v if n in e.attrib else -v for n, (v, _) in truth.amounts.items()]
-    off += [scale * number(e.get(n)) for n in e.attrib if n not in truth.amounts and " ± " in e.get(n)]
-    return math.sqrt(sum(o * o for o in off)) / math.sqrt(sum(v * v for v, _ in truth.amounts.values()))
+    scale = 30 / number(e.get("per")) if "per" in e.attrib else 1.0  # amounts refer to that angle; 30 deg where nothing is said
+    off = size = 0.0
+    for name, (value, _) in truth.amounts.items():
+        words = e.get(name, "0").split()
+        spread = scale * float(words[2]) if len(words) > 2 else 0.0
+        if spread < truth.usual[name]:
+            off += ((scale * float(words[0]) - value) / truth.usual[name]) ** 2
+            size += (value / truth.usual[name]) ** 2
+    return math.sqrt(off / size) if size else None

@@ -101,7 +101,7 @@ def stated(r):
 
 def faults_found(r):
     """Of recordings with a wrong column: is it said, with the right column's name?"""
-    what, *where = r["faulty"]
+    what, *where = r.get("faulty") or ["-"]
     where = [w.split("[")[0] for w in where]
     return any(kind == what and any(w in place or w.split(".")[0] == place for w in where) for kind, place in r["faults"])
 

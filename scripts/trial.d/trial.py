@@ -101,9 +101,13 @@ class Trial:
             unit = self.left([truth])
             if unit < 1e-4:
                 return dataclasses.replace(truth.scaled(MOST), seen=False)
-            truth = truth.scaled(min(MOST, aim / unit))
-            now = self.left([truth])  # strong effects are not proportional
-            return truth if now < 2 * aim else truth.scaled(aim / now)
+            size = 1.0
+            for _ in range(6):  # strong effects are not proportional
+                size = min(MOST, size * aim / unit)
+                unit = self.left([truth.scaled(size)])
+                if unit < 1e-4 or abs(math.log(unit / aim)) < 0.2 or (size == MOST and unit < aim):
+                    break
+            return truth.scaled(size) if unit < 1.5 * aim else None
         except command.Refused:
             return None
 
