@@ -28,6 +28,11 @@ def wrong_names(r):
     return [c for c in r["claims"] if confident(r, c) and c["is"] is None and c.get("twin") is None]
 
 
+def other_names(r):
+    """Confident claims under another name that explains the recordings as well: these do not tell which, so it should be left open."""
+    return [c for c in r["claims"] if confident(r, c) and c["is"] is None and c.get("twin") is not None]
+
+
 def kept_open(c):
     """The smallest set of names with 95 % of the probability, the likeliest first."""
     names, total = [], 0.0

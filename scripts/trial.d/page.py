@@ -62,12 +62,13 @@ def goals(ran):
             f"| something claimed where nothing is | at most 2 % | {share(calm, judge.claims_something)} |",
             f"| the same with bad noise or blunders | | {share([r for r in ran if judge.quiet(r) and r not in calm], judge.claims_something)} |",
             f"| a wrong name given with confidence, of all trials | at most 1 % | {share(ran, judge.wrong_names)} |",
+            f"| an equivalent name given with confidence, where it should be left open | | {share(ran, lambda r: judge.other_names(r) and all(t['catalogued'] for t in r['truths']))} |",
             f"| effects of {STRONG} sigmas or more: right place | 98 % | {share(known, lambda k: k[2])} |",
             f"| right name, or one of at most {judge.SET} left open | 97 % | {share(known, lambda k: k[3] in ('name', 'set'))} |",
             f"| the same or an equivalent name | | {share(known, lambda k: k[3] in ('name', 'set', 'equivalent'))} |",
             f"| physics outside the catalogue, {STRONG} sigmas or more: right place | 90 % | {share(new, lambda k: k[2])} |",
             f"| given a catalogue's name with confidence | never | {share(new, lambda k: judge.wrong_names(k[0]))} |",
-            f"| the same, the name being equivalent | | {share(new, lambda k: not judge.wrong_names(k[0]) and any(judge.confident(k[0], c) for c in k[0]['claims']))} |",
+            f"| the same, the name being equivalent | | {share(new, lambda k: judge.other_names(k[0]))} |",
             f"| drop of held-out residuals, share of the attainable | 95 % | {text} |"]
 
 
@@ -112,7 +113,7 @@ def unknown(ran):
     for low, high in BINS:
         own = [k for k in strange(ran, low) if k[1]["strength"] < high]
         if own:
-            equal = [k for k in own if not judge.wrong_names(k[0]) and any(judge.confident(k[0], c) for c in k[0]["claims"])]
+            equal = [k for k in own if judge.other_names(k[0])]
             title = f"{low:g} to {high:g}" if high < 1e9 else f"above {low:g}"
             counts = (sum(judge.claims_something(k[0]) for k in own), sum(bool(k[2]) for k in own),
                       *(sum(k[0]["verdict"] == v for k in own) for v in ("unknown-physics", "ambiguous")),
