@@ -138,42 +138,32 @@ Recordings with_loads(const Program& program, const Recordings& recordings,
     const char* unit;
     const Eigen::Vector3d& (*of)(const LinkLoad&);
   };
-  static constexpr Part parts[] = {{"f", "N", [](const LinkLoad& l) -> auto& {return l.axis.force;
-}
-}  // namespace talus
-, {"m", "N*mm", [](const LinkLoad& l) -> auto& {return l.axis.moment;
-}
-}
-, {"tip_f", "N", [](const LinkLoad& l) -> auto& {return l.tip.force;
-}
-}
-, {"tip_m", "N*mm", [](const LinkLoad& l) -> auto& {return l.tip.moment;
-}
-}
-, {"weight_", "N", [](const LinkLoad& l) -> auto& {return l.weight;
-}
-}
-, {
-  "span_", "mm", [](const LinkLoad& l) -> auto& { return l.span; }
-}
-}
-;
-Recordings result = recordings;
-std::erase_if(result.columns, [](const RecordedColumn& c) { return c.name.starts_with(prefix); });
-const std::size_t first = result.columns.size();
-for (const int f : frames)
-  for (const Part& part : parts)
-    for (const char* component : components)
-      result.columns.push_back({prefix + program.frames[f].name + "." + part.name + component,
-                                *parse_unit(part.unit), std::vector<double>(recordings.rows()),
-                                Place{recordings.file}});
-for_each_row(program, recordings, parameters, [&](std::size_t row, const Loads& loads) {
-  std::size_t column = first;
+  using V = Eigen::Vector3d;
+  static constexpr Part parts[] = {
+      {"f", "N", [](const LinkLoad& l) -> const V& { return l.axis.force; }},
+      {"m", "N*mm", [](const LinkLoad& l) -> const V& { return l.axis.moment; }},
+      {"tip_f", "N", [](const LinkLoad& l) -> const V& { return l.tip.force; }},
+      {"tip_m", "N*mm", [](const LinkLoad& l) -> const V& { return l.tip.moment; }},
+      {"weight_", "N", [](const LinkLoad& l) -> const V& { return l.weight; }},
+      {"own_m", "N*mm", [](const LinkLoad& l) -> const V& { return l.own_moment; }},
+      {"span_", "mm", [](const LinkLoad& l) -> const V& { return l.span; }}};
+  Recordings result = recordings;
+  std::erase_if(result.columns, [](const RecordedColumn& c) { return c.name.starts_with(prefix); });
+  const std::size_t first = result.columns.size();
   for (const int f : frames)
     for (const Part& part : parts)
-      for (int i = 0; i < 3; ++i) result.columns[column++].values[row] = part.of(loads.link(f))[i];
-});
-return result;
+      for (const char* component : components)
+        result.columns.push_back({prefix + program.frames[f].name + "." + part.name + component,
+                                  *parse_unit(part.unit), std::vector<double>(recordings.rows()),
+                                  Place{recordings.file}});
+  for_each_row(program, recordings, parameters, [&](std::size_t row, const Loads& loads) {
+    std::size_t column = first;
+    for (const int f : frames)
+      for (const Part& part : parts)
+        for (int i = 0; i < 3; ++i)
+          result.columns[column++].values[row] = part.of(loads.link(f))[i];
+  });
+  return result;
 }
 
 }  // namespace talus

@@ -14,9 +14,15 @@ namespace {
 // Below so many sigmas of a pose, what was found is a hint: nobody would notice it in one
 // recording.
 constexpr double kNoticeable = 1;
-constexpr double kSure = 0.8;  // a name is claimed from this probability on
+constexpr double kByCatch = 0.15;     // share of all explained, beside what wanders with the time
+constexpr double kCorrelated = 1e-6;  // chance of neighbours in time as much alike
+constexpr double kSure = 0.8;         // a name is claimed from this probability on
+// A formula that is right within a fifth leaves up to a twenty-fifth of its chi-square. What is no
+// more than that, beside a finding of the same joint, may be its leftover and is not named.
+constexpr double kRemainder = 0.04;
 // A misfit that cannot be chance nor a small error of the stated noise.
 constexpr double kImpossible = 1e-6, kPlain = 1.5;
+constexpr double kClean = 1e-3;  // chance of a misfit that leaves nothing to explain
 
 Eigen::VectorXd squares(const Problem::Residuals& r) {
   return r.whitened.size() > 0 ? Eigen::VectorXd(r.whitened.rowwise().squaredNorm())
@@ -26,6 +32,11 @@ Eigen::VectorXd squares(const Problem::Residuals& r) {
 // Two effects of one joint: of its sensor, axis or link.
 bool one_place(const Accepted& a, const Accepted& b) {
   return !a.suspect.joint.empty() && a.suspect.joint == b.suspect.joint;
+}
+
+// And of one kind, so that together they may be the shape of something third.
+bool one_kind(const Accepted& a, const Accepted& b) {
+  return a.suspect.plugin->declaration.effect.acts == b.suspect.plugin->declaration.effect.acts;
 }
 
 }  // namespace
@@ -64,6 +75,7 @@ class Diagnoser {
       seek(options_.search.most_effects);
       if (reexamine()) seek(options_.search.most_effects);
     }
+    correlated();
     findings();
     progress("judging", 0.9);
     judge();
@@ -87,11 +99,8 @@ class Diagnoser {
     } catch (const InputError&) {
       // Perhaps a fault of a column; if none is found it is thrown again below.
     }
-    FaultOptions fault_options;
-    fault_options.threads = options_.fit.threads;
-    fault_options.seed = options_.fit.seed;
     Faults faults =
-        find_faults(*d_.program, recordings_, split_, fit ? &*fit : nullptr, fault_options);
+        find_faults(*d_.program, recordings_, split_, fit ? &*fit : nullptr, fault_options());
     d_.faults = faults.found;
     bool changed = faults.corrected || !faults.left_out.empty();
     if (faults.corrected) recordings_ = std::move(faults.recordings);
@@ -125,7 +134,8 @@ class Diagnoser {
 
   void seek(int most_effects) {
     known_ = with_circumstances(model_, registry_, *d_.program, recordings_, clean_.x);
-    ground_ = {&model_, &registry_, &known_, split_.fit, options_.fit.threads};
+    ground_ = {&model_, &registry_, &known_, split_.fit, options_.fit.threads, {}};
+    ground_.scale = scale_of_rows(ground_, clean_);
     SearchOptions search_options = options_.search;
     search_options.progress = options_.progress;
     search_options.most_effects = most_effects;
@@ -136,10 +146,8 @@ class Diagnoser {
   bool reexamine() {
     const Trial& best = d_.search.best;
     if (best.effects.empty()) return false;
-    std::vector<double> x;
-    for (const Parameter& p : best.program->parameters) x.push_back(best.values.at(p.name));
-    for (const FittedValue& v : clean_.shared) x.push_back(best.values.at(v.name));
-    Outliers again = find_outliers(*best.program, known_, whole_, x, outlier_options());
+    Outliers again =
+        find_outliers(*best.program, known_, whole_, values_of(best), outlier_options());
     auto rows = [](const Outliers& o) {
       std::vector<std::size_t> r;
       for (const Outlier& one : o.found) r.push_back(one.row);
@@ -154,39 +162,92 @@ class Diagnoser {
     return true;
   }
 
+  // Noise that is not independent from pose to pose makes what is smooth in time look surer than it
+  // is.
+  void correlated() {
+    const Trial& best = d_.search.best;
+    if (best.effects.empty()) return;
+    const NoiseVerdict noise =
+        judge_noise(*best.program, known_, split_.fit, values_of(best), fault_options());
+    if (noise.p_order > kCorrelated || noise.correlation <= 0) return;
+    const double factor = (1 - noise.correlation) / (1 + noise.correlation);
+    if (const int dropped = discount(ground_, d_.search, factor))
+      d_.faults.push_back(
+          {"correlated-noise", "measurement",
+           fmt::format("The noise is not independent from pose to pose (correlation of neighbours "
+                       "{:.2f}); by that measure {} not beyond chance.",
+                       noise.correlation,
+                       dropped == 1
+                           ? "one drift or step that follows it is"
+                           : fmt::format("{} drifts and steps that follow it are", dropped))});
+  }
+
+  FaultOptions fault_options() const {
+    FaultOptions o;
+    o.threads = options_.fit.threads;
+    o.seed = options_.fit.seed;
+    return o;
+  }
+
+  // x of a hypothesis, in the order of its program.
+  std::vector<double> values_of(const Trial& trial) const {
+    std::vector<double> x;
+    for (const Parameter& p : trial.program->parameters) x.push_back(trial.values.at(p.name));
+    for (const FittedValue& v : clean_.shared) x.push_back(trial.values.at(v.name));
+    return x;
+  }
+
   // What was found, before any row held out is looked at.
   void findings() {
     const Search& found = d_.search;
     const double poses = static_cast<double>(std::max<std::size_t>(1, split_.fit.size()));
     const double gain = found.null.cost2 - found.best.cost2;
-    const double left = std::max(1.0, found.best.cost2 / std::max(1.0, found.last->dof));
     claimed_ = !found.best.effects.empty() &&
-               std::sqrt(std::max(0.0, gain) / left / poses) > kNoticeable && !drifting();
+               std::sqrt(std::max(0.0, gain) / found.left / poses) > kNoticeable && !drifting();
     for (std::size_t i = 0; i < found.best.effects.size(); ++i)
       (claimed_ ? d_.findings : d_.hints)
           .push_back(finding(found.best.effects[i], found.members[i], poses));
+    for (std::size_t i = d_.findings.size(); i-- > 0;)
+      if (remainder(d_.findings[i])) {
+        d_.hints.insert(d_.hints.begin(), std::move(d_.findings[i]));
+        d_.findings.erase(d_.findings.begin() + static_cast<long>(i));
+      }
+  }
+
+  bool remainder(const Finding& f) const {
+    return std::any_of(d_.findings.begin(), d_.findings.end(), [&](const Finding& other) {
+      return &f != &other && other.effect != "unknown" && one_place(f.accepted, other.accepted) &&
+             f.delta_chi2 < kRemainder * other.delta_chi2;
+    });
   }
 
   // Several things that wander with the time, each by itself and some in no known way: that is
-  // noise which is not independent from pose to pose.
+  // noise which is not independent from pose to pose. What little is beside them is its by-catch.
   bool drifting() {
-    const std::vector<Accepted>& effects = d_.search.best.effects;
+    const Search& found = d_.search;
+    int wandering = 0;
     bool curve = false;
-    for (const Accepted& e : effects) {
-      const EffectTraits& effect = e.suspect.plugin->declaration.effect;
+    double others = 0;
+    for (std::size_t i = 0; i < found.best.effects.size(); ++i) {
+      const EffectTraits& effect = found.best.effects[i].suspect.plugin->declaration.effect;
       if (effect.needs.empty() ||
           !std::all_of(effect.needs.begin(), effect.needs.end(), [](Covariate c) {
             return c == Covariate::time || c == Covariate::pose || c == Covariate::since;
-          }))
-        return false;
+          })) {
+        others += found.members[i].gain;
+        continue;
+      }
+      ++wandering;
       curve |= effect.unknown;
     }
-    if (effects.size() < 2 || (!curve && effects.size() < 3)) return false;
+    if (wandering < 2 || (!curve && wandering < 3) ||
+        others > kByCatch * (found.null.cost2 - found.best.cost2))
+      return false;
     d_.faults.push_back(
         {"correlated-noise", "measurement",
          fmt::format("The noise is not independent from pose to pose: it takes {} separate drifts "
                      "and steps to follow it.",
-                     effects.size())});
+                     wandering)});
     return true;
   }
 
@@ -221,30 +282,34 @@ class Diagnoser {
       auto after = std::make_shared<Program>(compile(d_.extended_model, registry_));
       FitOptions fit_options = options_.fit;
       fit_options.restarts = 0;
-      for (const Parameter& p : after->parameters)
-        fit_options.start.push_back(best.values.at(p.name));
-      for (const FittedValue& v : clean_.shared)
-        fit_options.start.push_back(best.values.at(v.name));
+      fit_options.start = values_of(best);
       d_.after = calibrate(*after, known_, split_, fit_options);
       d_.program_after = std::move(after);
     }
-    if (claimed_) d_.blocks = blocks();
-    const Eigen::VectorXd before = squares(clean_.residuals_check),
-                          after = squares(d_.after.residuals_check);
-    if (before.size() == after.size() && before.size() > 0) {
-      const double rows =
-          before.sum() / std::pow(clean_.heldout_rms, 2) / static_cast<double>(before.size());
-      d_.heldout = held_out(before, after, rows, options_.fit.seed);
+    compare();
+    if (claimed_ && d_.heldout.after_low > d_.heldout.before) {
+      d_.withdrawn = true;
+      d_.extended_model = model_;
+      d_.after = clean_, d_.program_after = d_.program;
+      compare();
+    } else if (claimed_) {
+      d_.blocks = blocks();
     }
     for (Finding& f : d_.findings) {
       f.heldout_before = clean_.heldout_rms;
       f.heldout_after = d_.after.heldout_rms;
     }
-    FaultOptions fault_options;
-    fault_options.threads = options_.fit.threads;
-    fault_options.seed = options_.fit.seed;
-    d_.noise = judge_noise(*d_.program_after, known_, split_.fit, d_.after.x, fault_options);
+    d_.noise = judge_noise(*d_.program_after, known_, split_.fit, d_.after.x, fault_options());
     d_.faults.insert(d_.faults.end(), d_.noise.faults.begin(), d_.noise.faults.end());
+  }
+
+  void compare() {
+    const Eigen::VectorXd before = squares(clean_.residuals_check),
+                          after = squares(d_.after.residuals_check);
+    if (before.size() != after.size() || before.size() == 0) return;
+    const double rows =
+        before.sum() / std::pow(clean_.heldout_rms, 2) / static_cast<double>(before.size());
+    d_.heldout = held_out(before, after, rows, options_.fit.seed);
   }
 
   // By region of the readings that the findings are about, and by session.
@@ -285,23 +350,29 @@ class Diagnoser {
       }
       return;
     }
+    // Names that stack up in one place are the shape of something third, unless each does another
+    // thing there and nothing is left to explain.
+    const bool clean =
+        (!d_.after.noise_known || d_.after.chi2_p > kClean) && d_.noise.unwhite.empty();
     bool unknown = false, sure = true;
     std::vector<std::string> found;
     for (Finding& f : d_.findings) {
       unknown |= f.effect == "unknown";
       sure &= f.probability >= kSure;
       for (const Finding& other : d_.findings)
-        unknown |= &f != &other && one_place(f.accepted, other.accepted);
+        unknown |= &f != &other && one_place(f.accepted, other.accepted) &&
+                   (!clean || one_kind(f.accepted, other.accepted));
       f.statement =
           fmt::format("{} at {} (probability {:.2f})", f.effect, f.location, f.probability);
       found.push_back(f.statement);
     }
-    d_.verdict = unknown ? Verdict::unknown_physics
-                 : sure  ? Verdict::explained
-                         : Verdict::ambiguous;
+    d_.verdict = unknown || d_.withdrawn ? Verdict::unknown_physics
+                 : sure                  ? Verdict::explained
+                                         : Verdict::ambiguous;
     d_.statement =
         join(found, " and ") + fmt::format("; rows held out: {:.3g} sigmas instead of {:.3g}.",
                                            d_.after.heldout_rms, clean_.heldout_rms);
+    if (d_.withdrawn) d_.statement = join(found, " and ") + ". " + kWithdrawn;
     if (!words.empty()) d_.statement += " " + join(words, " ");
   }
 

@@ -19,6 +19,8 @@ namespace talus {
 
 enum class Verdict { nothing_missing, explained, ambiguous, unknown_physics, bad_data };
 std::string to_string(Verdict verdict);  // as in JSON: "nothing-missing", ...
+inline constexpr const char* kWithdrawn =
+    "Modelled so, rows held out are predicted worse; the model is left as it was.";
 
 struct NamedRival {
   std::string effect, location;
@@ -43,7 +45,8 @@ struct Finding {
 struct Diagnosis {
   Verdict verdict = Verdict::nothing_missing;
   std::string statement;
-  std::vector<Finding> findings, hints;  // hints: significant, but too small to be a claim
+  std::vector<Finding> findings, hints;  // hints: significant, but too small to be a claim, or
+                                         // the leftover of a finding at its place
   Fit baseline, after;  // after is that of the extended model; the baseline where nothing was found
   std::shared_ptr<const Program> program, program_after;
   Model extended_model;  // as it was given, where nothing was found
@@ -54,6 +57,7 @@ struct Diagnosis {
   Recordings recordings;     // as they were judged: faults corrected
   Split split;               // without copies and blunders
   HeldOut heldout;
+  bool withdrawn = false;  // modelled so, rows held out were predicted worse: the model is as given
   std::vector<Block> blocks;  // regions and sessions held out, where something was claimed
   Search search;
   std::vector<std::string> warnings;

@@ -39,9 +39,13 @@ struct Search {
   std::vector<Member> members;   // as best.effects
   Gate first;                    // of the first round
   std::shared_ptr<Stage> stage;  // of `null`: what could be seen at all
-  std::shared_ptr<Stage> last;   // of `best`
+  double left = 1;               // variance that `best` leaves, by the stated noise; at least 1
 };
 
 Search search(const Ground& ground, const Trial& null, const SearchOptions& options = {});
+
+// Drops the members that chance makes too easily where noise is correlated from pose to pose, so
+// that every chi-square counts for less by this factor. Says how many.
+int discount(const Ground& ground, Search& search, double factor);
 
 }  // namespace talus

@@ -91,6 +91,7 @@ Linearised linearised(const Ground& ground, const Trial& trial, const StageOptio
   problem_options.robust = false;
   Problem problem(program, *ground.recordings, ground.rows, groups, problem_options);
   problem.set_robust(false);
+  if (!ground.scale.empty()) problem.divide_rows_by(ground.scale);
   std::vector<double> x = problem.start();
   const std::vector<std::string> names = problem.names();
   for (std::size_t i = 0; i < x.size(); ++i)

@@ -134,6 +134,7 @@ void Compiler::know(Covariate c, EffectPlace& place, const Place& where) {
     case Covariate::tip_load:
       a.tip_force = vector("tip_f", kForce), a.tip_moment = vector("tip_m", kTorque);
       a.weight = vector("weight_", kForce), a.span = vector("span_", length);
+      a.own_moment = vector("own_m", kTorque);
       break;
   }
   place.known.push_back(c);

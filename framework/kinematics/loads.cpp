@@ -65,7 +65,8 @@ void Loads::set(std::span<const double> coordinates, std::span<const double> par
                 std::span<const double> payloads) {
   posture_.set(coordinates, parameters);
   std::fill(tip_.begin(), tip_.end(), Wrench{});
-  std::fill(links_.begin(), links_.end(), LinkLoad{{}, {}, Vector3d::Zero(), Vector3d::Zero()});
+  std::fill(links_.begin(), links_.end(),
+            LinkLoad{{}, {}, Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()});
   reaction_ = {};
   const auto& frames = program_->frames;
   Vector3d g = Vector3d::Zero();
@@ -81,6 +82,7 @@ void Loads::set(std::span<const double> coordinates, std::span<const double> par
     const Isometry3d& T = posture_.frame(link.frame);
     total_[link.frame] += at(T * vector(link.com), link.mass * g);
     links_[link.frame].weight = link.mass * (T.linear().transpose() * g);
+    links_[link.frame].own_moment = vector(link.com).cross(links_[link.frame].weight);
   }
   for (std::size_t f = frames.size(); f-- > 1;) {  // parents stand before their children
     tip_[frames[f].parent] += total_[f];

@@ -35,9 +35,10 @@ struct LinkLoad {
   Wrench axis;  // all that is distal, in the joint's axis frame S (axis_place.h), about its origin;
                 // where nothing moves, in the frame before it
   // In the frame behind it:
-  Wrench tip;              // what is distal of the frame: without the link's own weight
-  Eigen::Vector3d weight;  // the link's own
-  Eigen::Vector3d span;    // from the frame before the joint to this one, mm
+  Wrench tip;                  // what is distal of the frame: without the link's own weight
+  Eigen::Vector3d weight;      // the link's own
+  Eigen::Vector3d own_moment;  // of that weight, about this frame's origin
+  Eigen::Vector3d span;        // from the frame before the joint to this one, mm
 };
 
 class Loads {

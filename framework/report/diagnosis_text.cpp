@@ -59,7 +59,10 @@ class Writer {
     for (std::size_t i = 0; i < d_.findings.size(); ++i)
       finding(d_.findings[i], "Finding", curve(advice_.curves, i));
     for (std::size_t i = 0; i < d_.hints.size(); ++i)
-      finding(d_.hints[i], "Hint, too small to be claimed", curve(advice_.hint_curves, i));
+      finding(d_.hints[i],
+              d_.findings.empty() ? "Hint, too small to be claimed"
+                                  : "Left over at this place, modelled and not claimed",
+              curve(advice_.hint_curves, i));
     moved();
     sensitivity();
     next();
