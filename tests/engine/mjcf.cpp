@@ -123,26 +123,31 @@ class Writer {
     const Eigen::Vector3d span(k.a.value * mm, 0, k.d.value * mm),
         com(k.com[0] * mm, k.com[1] * mm, k.com[2] * mm);
     const Flaw* bends = l_.flaw(Kind::bending, i);
+    // Behind the joint; the link's own end is turned against it.
+    const Eigen::Matrix3d turned(Eigen::AngleAxisd(k.alpha.value * deg, Eigen::Vector3d::UnitX()) *
+                                 Eigen::AngleAxisd(k.beta.value * deg, Eigen::Vector3d::UnitY()));
+    const double along = (span + turned * com).dot(span) / span.squaredNorm();
     if (bends) {
-      // Weight spread evenly along the link, and as far beside it as its centre is.
-      const Eigen::Matrix3d turned(
-          Eigen::AngleAxisd(k.alpha.value * deg, Eigen::Vector3d::UnitX()) *
-          Eigen::AngleAxisd(k.beta.value * deg, Eigen::Vector3d::UnitY()));
+      // Weight spread evenly, as far beside the line as its centre is; or all of it on the end,
+      // where the centre does not lie between the ends.
+      const bool spread = along > 0 && along < 1;
       const Eigen::Vector3d beside = span / 2 + turned * com, piece = span / pieces;
       const Eigen::Vector3d one = span.cross(Eigen::Vector3d::UnitY()).normalized(),
                             other = span.cross(one).normalized();
       const double k1 = 1 / (bends->size * piece.norm()),
                    k2 = k1 * (bends->extra > 0 ? bends->extra : 1);
-      mass(k.mass / pieces / 2, piece / 4 + beside);
+      const double share = spread ? k.mass / pieces : 1e-6;
+      mass(share / 2, piece / 4 + beside);
       for (int p = 0; p < pieces; ++p) {
         open("", p == 0 ? Eigen::Vector3d(piece / 2) : piece);
         hinge("bend" + n + "_" + std::to_string(p), one, k1, "damping=\"1\"");
         hinge("bend" + n + "_" + std::to_string(p) + "b", other, k2, "damping=\"1\"");
         const bool last = p == pieces - 1;
-        mass(k.mass / pieces / (last ? 2 : 1), piece / (last ? 4 : 2) + beside);
+        mass(share / (last ? 2 : 1), piece / (last ? 4 : 2) + beside);
       }
       open("", piece / 2, 'x', k.alpha.value * deg);
       open("link" + n, {0, 0, 0}, 'y', k.beta.value * deg);
+      if (!spread) mass(k.mass, com);
     } else {
       open("", span, 'x', k.alpha.value * deg);
       open("link" + n, {0, 0, 0}, 'y', k.beta.value * deg);
