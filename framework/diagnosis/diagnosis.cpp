@@ -1,53 +1,19 @@
 #include "framework/diagnosis/diagnosis.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
-#include "framework/diagnosis/tails.h"
+#include "framework/diagnosis/blunders.h"
+#include "framework/diagnosis/verdict.h"
 
 namespace talus {
 namespace {
-
-// Below so many sigmas of a pose, what was found is a hint: nobody would notice it in one
-// recording.
-constexpr double kNoticeable = 1;
-constexpr double kByCatch = 0.15;     // share of all explained, beside what wanders with the time
-constexpr double kCorrelated = 1e-6;  // chance of neighbours in time as much alike
-constexpr double kSure = 0.8;         // a name is claimed from this probability on
-// A formula that is right within a fifth leaves up to a twenty-fifth of its chi-square. What is no
-// more than that, beside a finding of the same joint, may be its leftover and is not named.
-constexpr double kRemainder = 0.04;
-// A misfit that cannot be chance nor a small error of the stated noise.
-constexpr double kImpossible = 1e-6, kPlain = 1.5;
-constexpr double kClean = 1e-3;  // chance of a misfit that leaves nothing to explain
 
 Eigen::VectorXd squares(const Problem::Residuals& r) {
   return r.whitened.size() > 0 ? Eigen::VectorXd(r.whitened.rowwise().squaredNorm())
                                : Eigen::VectorXd(0);
 }
-
-// Two effects of one joint: of its sensor, axis or link.
-bool one_place(const Accepted& a, const Accepted& b) {
-  return !a.suspect.joint.empty() && a.suspect.joint == b.suspect.joint;
-}
-
-// And of one kind, so that together they may be the shape of something third.
-bool one_kind(const Accepted& a, const Accepted& b) {
-  return a.suspect.plugin->declaration.effect.acts == b.suspect.plugin->declaration.effect.acts;
-}
-
-}  // namespace
-
-std::string to_string(Verdict verdict) {
-  static constexpr const char* names[] = {"nothing-missing", "explained", "ambiguous",
-                                          "unknown-physics", "bad-data"};
-  return names[static_cast<int>(verdict)];
-}
-
-namespace {
 
 // One diagnosis in the making.
 class Diagnoser {
@@ -75,11 +41,10 @@ class Diagnoser {
       seek(options_.search.most_effects);
       if (reexamine()) seek(options_.search.most_effects);
     }
-    correlated();
-    findings();
+    claims();
     progress("judging", 0.9);
     judge();
-    verdict();
+    conclude(d_);
     d_.recordings = std::move(recordings_), d_.split = std::move(split_);
     d_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return std::move(d_);
@@ -146,8 +111,7 @@ class Diagnoser {
   bool reexamine() {
     const Trial& best = d_.search.best;
     if (best.effects.empty()) return false;
-    Outliers again =
-        find_outliers(*best.program, known_, whole_, values_of(best), outlier_options());
+    Outliers again = blunders_beside(ground_, best, whole_, outlier_options());
     auto rows = [](const Outliers& o) {
       std::vector<std::size_t> r;
       for (const Outlier& one : o.found) r.push_back(one.row);
@@ -162,26 +126,6 @@ class Diagnoser {
     return true;
   }
 
-  // Noise that is not independent from pose to pose makes what is smooth in time look surer than it
-  // is.
-  void correlated() {
-    const Trial& best = d_.search.best;
-    if (best.effects.empty()) return;
-    const NoiseVerdict noise =
-        judge_noise(*best.program, known_, split_.fit, values_of(best), fault_options());
-    if (noise.p_order > kCorrelated || noise.correlation <= 0) return;
-    const double factor = (1 - noise.correlation) / (1 + noise.correlation);
-    if (const int dropped = discount(ground_, d_.search, factor))
-      d_.faults.push_back(
-          {"correlated-noise", "measurement",
-           fmt::format("The noise is not independent from pose to pose (correlation of neighbours "
-                       "{:.2f}); by that measure {} not beyond chance.",
-                       noise.correlation,
-                       dropped == 1
-                           ? "one drift or step that follows it is"
-                           : fmt::format("{} drifts and steps that follow it are", dropped))});
-  }
-
   FaultOptions fault_options() const {
     FaultOptions o;
     o.threads = options_.fit.threads;
@@ -189,87 +133,21 @@ class Diagnoser {
     return o;
   }
 
-  // x of a hypothesis, in the order of its program.
-  std::vector<double> values_of(const Trial& trial) const {
-    std::vector<double> x;
-    for (const Parameter& p : trial.program->parameters) x.push_back(trial.values.at(p.name));
-    for (const FittedValue& v : clean_.shared) x.push_back(trial.values.at(v.name));
-    return x;
-  }
-
   // What was found, before any row held out is looked at.
-  void findings() {
-    const Search& found = d_.search;
-    const double poses = static_cast<double>(std::max<std::size_t>(1, split_.fit.size()));
-    const double gain = found.null.cost2 - found.best.cost2;
-    claimed_ = !found.best.effects.empty() &&
-               std::sqrt(std::max(0.0, gain) / found.left / poses) > kNoticeable && !drifting();
-    for (std::size_t i = 0; i < found.best.effects.size(); ++i)
-      (claimed_ ? d_.findings : d_.hints)
-          .push_back(finding(found.best.effects[i], found.members[i], poses));
-    for (std::size_t i = d_.findings.size(); i-- > 0;)
-      if (remainder(d_.findings[i])) {
-        d_.hints.insert(d_.hints.begin(), std::move(d_.findings[i]));
-        d_.findings.erase(d_.findings.begin() + static_cast<long>(i));
-      }
+  void claims() {
+    const Trial& best = d_.search.best;
+    if (!best.effects.empty())
+      note(without_correlated(
+          ground_, judge_noise(*best.program, known_, split_.fit, best.x, fault_options()),
+          d_.search));
+    Claims claims = claims_of(d_.search, split_.fit.size(), clean_.rows_fit, d_.program->units);
+    d_.findings = std::move(claims.findings), d_.hints = std::move(claims.hints);
+    note(claims.faults);
+    claimed_ = !d_.findings.empty();
   }
 
-  bool remainder(const Finding& f) const {
-    return std::any_of(d_.findings.begin(), d_.findings.end(), [&](const Finding& other) {
-      return &f != &other && other.effect != "unknown" && one_place(f.accepted, other.accepted) &&
-             f.delta_chi2 < kRemainder * other.delta_chi2;
-    });
-  }
-
-  // Several things that wander with the time, each by itself and some in no known way: that is
-  // noise which is not independent from pose to pose. What little is beside them is its by-catch.
-  bool drifting() {
-    const Search& found = d_.search;
-    int wandering = 0;
-    bool curve = false;
-    double others = 0;
-    for (std::size_t i = 0; i < found.best.effects.size(); ++i) {
-      const EffectTraits& effect = found.best.effects[i].suspect.plugin->declaration.effect;
-      if (effect.needs.empty() ||
-          !std::all_of(effect.needs.begin(), effect.needs.end(), [](Covariate c) {
-            return c == Covariate::time || c == Covariate::pose || c == Covariate::since;
-          })) {
-        others += found.members[i].gain;
-        continue;
-      }
-      ++wandering;
-      curve |= effect.unknown;
-    }
-    if (wandering < 2 || (!curve && wandering < 3) ||
-        others > kByCatch * (found.null.cost2 - found.best.cost2))
-      return false;
-    d_.faults.push_back(
-        {"correlated-noise", "measurement",
-         fmt::format("The noise is not independent from pose to pose: it takes {} separate drifts "
-                     "and steps to follow it.",
-                     wandering)});
-    return true;
-  }
-
-  Finding finding(const Accepted& e, const Member& m, double poses) const {
-    Finding f;
-    f.accepted = e;
-    f.effect = e.suspect.effect, f.location = e.suspect.location;
-    f.driver = e.way.driver;
-    f.parameters = shown_values(e, d_.program->units);
-    f.delta_chi2 = m.gain;
-    f.delta_bic = m.gain - static_cast<double>(e.amounts.size()) *
-                               std::log(std::max<double>(2, static_cast<double>(clean_.rows_fit)));
-    f.p_value = m.gate.family_p;
-    f.sigmas = std::sqrt(std::max(0.0, m.gain) / poses);
-    for (const Alternative& a : m.alternatives) {
-      const Suspect& s = a.effect.suspect;
-      if (s.plugin == e.suspect.plugin && s.at == e.suspect.at)
-        f.probability = a.probability;
-      else if (a.probability > 1e-4)
-        f.rivals.push_back({s.effect, s.location, a.probability});
-    }
-    return f;
+  void note(const std::vector<Fault>& faults) {
+    d_.faults.insert(d_.faults.end(), faults.begin(), faults.end());
   }
 
   // The extended model as a calibration, with the rows held out.
@@ -282,7 +160,7 @@ class Diagnoser {
       auto after = std::make_shared<Program>(compile(d_.extended_model, registry_));
       FitOptions fit_options = options_.fit;
       fit_options.restarts = 0;
-      fit_options.start = values_of(best);
+      fit_options.start = best.x;
       d_.after = calibrate(*after, known_, split_, fit_options);
       d_.program_after = std::move(after);
     }
@@ -300,7 +178,7 @@ class Diagnoser {
       f.heldout_after = d_.after.heldout_rms;
     }
     d_.noise = judge_noise(*d_.program_after, known_, split_.fit, d_.after.x, fault_options());
-    d_.faults.insert(d_.faults.end(), d_.noise.faults.begin(), d_.noise.faults.end());
+    note(d_.noise.faults);
   }
 
   void compare() {
@@ -326,54 +204,6 @@ class Diagnoser {
           columns.push_back(place.column);
     return held_out_blocks({d_.program.get(), clean_.x}, {d_.program_after.get(), d_.after.x},
                            known_, split_, columns, options_.fit);
-  }
-
-  void verdict() {
-    const bool faulty =
-        !d_.outliers.found.empty() ||
-        std::any_of(d_.faults.begin(), d_.faults.end(), [](const Fault& f) { return !f.note; });
-    std::vector<std::string> words;
-    for (const Fault& f : d_.faults)
-      if (!f.note) words.push_back(f.statement);
-    if (!d_.outliers.found.empty()) words.push_back(d_.outliers.statement);
-    const bool misfit =
-        d_.after.noise_known && d_.after.chi2_p < kImpossible && d_.after.noise_scale > kPlain;
-    if (d_.findings.empty()) {
-      d_.verdict = faulty ? Verdict::bad_data : Verdict::nothing_missing;
-      d_.statement = faulty ? join(words, " ") + " Nothing else is seen."
-                            : "Nothing is missing that these recordings could show.";
-      if (!faulty && misfit) {
-        d_.verdict = Verdict::ambiguous;
-        d_.statement = fmt::format(
-            "Something is missing: residuals are {:.3g} sigmas. No candidate explains it. {}",
-            d_.after.fit_rms, d_.noise.statement);
-      }
-      return;
-    }
-    // Names that stack up in one place are the shape of something third, unless each does another
-    // thing there and nothing is left to explain.
-    const bool clean =
-        (!d_.after.noise_known || d_.after.chi2_p > kClean) && d_.noise.unwhite.empty();
-    bool unknown = false, sure = true;
-    std::vector<std::string> found;
-    for (Finding& f : d_.findings) {
-      unknown |= f.effect == "unknown";
-      sure &= f.probability >= kSure;
-      for (const Finding& other : d_.findings)
-        unknown |= &f != &other && one_place(f.accepted, other.accepted) &&
-                   (!clean || one_kind(f.accepted, other.accepted));
-      f.statement =
-          fmt::format("{} at {} (probability {:.2f})", f.effect, f.location, f.probability);
-      found.push_back(f.statement);
-    }
-    d_.verdict = unknown || d_.withdrawn ? Verdict::unknown_physics
-                 : sure                  ? Verdict::explained
-                                         : Verdict::ambiguous;
-    d_.statement =
-        join(found, " and ") + fmt::format("; rows held out: {:.3g} sigmas instead of {:.3g}.",
-                                           d_.after.heldout_rms, clean_.heldout_rms);
-    if (d_.withdrawn) d_.statement = join(found, " and ") + ". " + kWithdrawn;
-    if (!words.empty()) d_.statement += " " + join(words, " ");
   }
 
   const Model& model_;

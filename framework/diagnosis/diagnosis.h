@@ -9,11 +9,10 @@
 #include <functional>
 
 #include "framework/diagnosis/blocks.h"
+#include "framework/diagnosis/claims.h"
 #include "framework/diagnosis/evidence.h"
 #include "framework/diagnosis/noise.h"
 #include "framework/diagnosis/outliers.h"
-#include "framework/diagnosis/search.h"
-#include "framework/diagnosis/shown.h"
 
 namespace talus {
 
@@ -21,26 +20,6 @@ enum class Verdict { nothing_missing, explained, ambiguous, unknown_physics, bad
 std::string to_string(Verdict verdict);  // as in JSON: "nothing-missing", ...
 inline constexpr const char* kWithdrawn =
     "Modelled so, rows held out are predicted worse; the model is left as it was.";
-
-struct NamedRival {
-  std::string effect, location;
-  double probability = 0;
-};
-
-struct Finding {
-  std::string effect, location;
-  double probability = 0;
-  std::vector<ShownValue> parameters;
-  std::string driver;     // the coordinate that drives it, where one does
-  double delta_chi2 = 0;  // lost on the rows to fit without it, all else refitted
-  double delta_bic = 0;
-  double p_value = 1;                            // of the best of all candidates by chance
-  double sigmas = 0;                             // what it explains per pose, in sigmas of a pose
-  double heldout_before = 0, heldout_after = 0;  // without and with it, the others kept
-  std::vector<NamedRival> rivals;
-  std::string statement;
-  Accepted accepted;
-};
 
 struct Diagnosis {
   Verdict verdict = Verdict::nothing_missing;

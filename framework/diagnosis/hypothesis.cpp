@@ -102,6 +102,7 @@ class Fitter {
   void finish(const std::vector<double>& x) {
     const std::vector<std::string> names = problem_->names();
     double loose = 0;
+    trial_.x = x;
     for (std::size_t i = 0; i < x.size(); ++i) trial_.values[names[i]] = x[i];
     Eigen::VectorXd std;
     if (std::isfinite(cost_)) {

@@ -35,6 +35,7 @@ struct Ground {
 struct Trial {
   std::vector<Accepted> effects;
   std::shared_ptr<const Program> program;  // of the extended model
+  std::vector<double> x;                   // parameters, then shared unknowns
   std::map<std::string, double> values;    // of x by name
   double cost2 = 0;                        // chi-square with the priors of the geometry
   double chi2 = 0;                         // of the rows
