@@ -129,6 +129,7 @@ class Diagnoser {
     SearchOptions search_options = options_.search;
     search_options.progress = options_.progress;
     search_options.most_effects = most_effects;
+    if (most_effects == 1) search_options.most_members = 1;
     d_.search = search(ground_, trial_of(ground_, clean_), search_options);
   }
 
@@ -236,6 +237,7 @@ class Diagnoser {
           before.sum() / std::pow(clean_.heldout_rms, 2) / static_cast<double>(before.size());
       d_.heldout = held_out(before, after, rows, options_.fit.seed);
     }
+    if (claimed_ && d_.heldout.poses > 0 && d_.heldout.after >= d_.heldout.before) withdraw();
     for (Finding& f : d_.findings) {
       f.heldout_before = clean_.heldout_rms;
       f.heldout_after = d_.after.heldout_rms;
@@ -245,6 +247,21 @@ class Diagnoser {
     fault_options.seed = options_.fit.seed;
     d_.noise = judge_noise(*d_.program_after, known_, split_.fit, d_.after.x, fault_options);
     d_.faults.insert(d_.faults.end(), d_.noise.faults.begin(), d_.noise.faults.end());
+  }
+
+  // What does not predict rows held out any better is not claimed, however well it fits.
+  void withdraw() {
+    withdrawn_ = fmt::format(
+        "What fits best does not carry over to rows held out ({:.3g} sigmas instead of {:.3g}), so "
+        "it "
+        "is not claimed.",
+        d_.heldout.after, d_.heldout.before);
+    d_.hints = std::move(d_.findings);
+    d_.findings.clear();
+    claimed_ = false;
+    d_.after = clean_, d_.program_after = d_.program, d_.extended_model = model_;
+    d_.blocks.clear();
+    d_.heldout = {};
   }
 
   // By region of the readings that the findings are about, and by session.
@@ -280,8 +297,8 @@ class Diagnoser {
       if (!faulty && misfit) {
         d_.verdict = Verdict::ambiguous;
         d_.statement = fmt::format(
-            "Something is missing: residuals are {:.3g} sigmas. No candidate explains it. {}",
-            d_.after.fit_rms, d_.noise.statement);
+            "Something is missing: residuals are {:.3g} sigmas. {} {}", d_.after.fit_rms,
+            withdrawn_.empty() ? "No candidate explains it." : withdrawn_, d_.noise.statement);
       }
       return;
     }
@@ -313,6 +330,7 @@ class Diagnoser {
   Fit clean_;                      // the model as it was given, to what is right in the recordings
   Ground ground_;
   bool claimed_ = false;
+  std::string withdrawn_;
   Diagnosis d_;
 };
 

@@ -84,6 +84,7 @@ class Fitter {
   void finish(const std::vector<double>& x) {
     const std::vector<std::string> names = problem_->names();
     double loose = 0;
+    trial_.x = x;
     for (std::size_t i = 0; i < x.size(); ++i) trial_.values[names[i]] = x[i];
     Eigen::VectorXd std;
     if (std::isfinite(cost_)) {
@@ -129,7 +130,7 @@ Model extended(const Model& model, const std::vector<Accepted>& effects, const U
     std::vector<AmountValue> amounts;
     for (std::size_t a = 0; a < e.amounts.size(); ++a)
       amounts.push_back(
-          {e.amounts[a], (e.suspect.effect == "unknown" ? 10 : kLoose) * e.way.typical[a]});
+          {e.amounts[a], (e.suspect.effect == "unknown" ? e.scale : kLoose) * e.way.typical[a]});
     result.root.children.push_back(element_of(e.suspect, e.way, amounts, system));
   }
   return result;

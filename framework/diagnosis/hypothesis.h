@@ -14,6 +14,8 @@ struct Accepted {
   Suspect suspect;
   Way way;
   std::vector<double> amounts, std;
+  double occam = 0;   // ln of what it is charged for its amounts and ways
+  double scale = 10;  // of a curve of no known cause: its heights' tolerance, in typical ones
 };
 
 // The model with the effects as further elements; amounts start at their values.
@@ -32,6 +34,7 @@ struct Ground {
 struct Trial {
   std::vector<Accepted> effects;
   std::shared_ptr<const Program> program;  // of the extended model
+  std::vector<double> x;                   // parameters, then shared unknowns
   std::map<std::string, double> values;    // of x by name
   double cost2 = 0;                        // chi-square with the priors of the geometry
   double chi2 = 0;                         // of the rows

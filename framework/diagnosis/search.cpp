@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <numeric>
 #include <set>
 
 #include "framework/diagnosis/tails.h"
@@ -17,7 +19,9 @@ constexpr double kCertain = 30;  // the same where no gate was passed, but the f
 constexpr double kUnknownPrior = -4;  // ln prior odds of a curve without a cause
 constexpr double kSwap = 3;           // ln by which a rival must be better
 constexpr double kLeftover =
-    0.15;  // of all that was explained: less, beside a name, is its leftover
+    0.15;                         // of all that was explained: less, beside a name, is its leftover
+constexpr double kNearly = 0.85;  // of the gain of the first: explains nearly as much
+constexpr int kOpenings = 2;
 constexpr double kDropLogP = -6.9;  // a member whose loss costs less than this is dropped
 
 bool same_place(const Accepted& a, const Suspect& s) {
@@ -27,11 +31,21 @@ bool same_place(const Accepted& a, const Suspect& s) {
 class Searcher {
  public:
   Searcher(const Ground& ground, const SearchOptions& options)
-      : ground_(ground), options_(options) {}
+      : ground_(ground), options_(options), carry_over_(ground) {}
 
   Search run(const Trial& null) {
     result_.null = result_.best = null;
-    for (int round = 0; round < options_.most_effects; ++round) {
+    grow(0);
+    openings();
+    leftovers();
+    alternatives();
+    return std::move(result_);
+  }
+
+ private:
+  // Takes effects in, one by one, beside those that the result has.
+  void grow(int first) {
+    for (int round = first; members() < options_.most_members; ++round) {
       auto stage = std::make_shared<Stage>(stage_of(ground_, result_.best, stage_options()));
       if (round == 0) result_.stage = stage;
       result_.last = stage;
@@ -44,25 +58,59 @@ class Searcher {
       if (round == 0) result_.first = gate;
       std::vector<Alternative> tried;
       if (gate.open) tried = finalists(*stage, result_.best);
-      if (stage->studentised) unbent(gate.open, tried);
+      if (stage->studentised) unbent(tried);
       // By the noise that the best of them leaves, where that is more than stated.
-      const double left = std::max(1.0, best_trial_.cost2 / std::max(1.0, stage->dof));
+      const double left =
+          tried.empty() ? 1 : std::max(1.0, tried[0].cost2 / std::max(1.0, stage->dof));
       const double least = gate.open ? kLeastEvidence : kCertain;
+      while (!tried.empty() && tried[0].evidence / left >= least &&
+             !carries_over(*stage, trials_[0], result_.best))
+        tried.erase(tried.begin()), trials_.erase(trials_.begin());
       if (tried.empty() || tried[0].evidence / left < least) break;
       // Without the gate the odds against nothing, over all that was tried, bound the chance.
       if (!gate.open) gate.family_p = std::exp(-tried[0].evidence / left) * gate.tests;
-      result_.best = std::move(best_trial_);
+      if (round == 0) first_tried_ = tried, first_trials_ = trials_;
+      result_.best = trials_[0];
       result_.members.push_back({0, gate, std::move(tried)});
       if (round > 0) backward(), swaps();
+      if (options_.most_members > 1) complete(gate);
       if (!seen_.insert(signature()).second) break;  // it turns in a circle
-      progress("searching", (round + 1.0) / options_.most_effects);
+      progress("searching", std::min(1.0, (round + 1.0) / options_.most_effects));
     }
-    leftovers();
-    alternatives();
-    return std::move(result_);
   }
 
- private:
+  // A formula with more freedom may do the work of two effects, better than either of them alone.
+  // So simpler ones that explain nearly as much are tried as the first as well.
+  void openings() {
+    if (options_.most_members == 1 || result_.best.effects.empty()) return;
+    const Search found = result_;
+    const double first_gain = result_.null.cost2 - first_tried_[0].cost2;
+    const std::size_t first_amounts = first_tried_[0].effect.amounts.size();
+    int count = 0;
+    for (std::size_t i = 1; i < first_tried_.size() && count < kOpenings; ++i) {
+      const Alternative& a = first_tried_[i];
+      if (a.effect.suspect.effect == "unknown" || a.effect.amounts.size() >= first_amounts ||
+          taken(found.best, a.effect.suspect) ||
+          result_.null.cost2 - a.cost2 < kNearly * first_gain)
+        continue;
+      ++count;
+      Search kept = std::move(result_);
+      result_ = found;
+      result_.best = first_trials_[i];
+      result_.members = {{0, found.members[0].gate, {a}}};
+      seen_ = {signature()};
+      grow(1);
+      const double left = std::max(
+          1.0, std::min(kept.best.cost2, result_.best.cost2) / std::max(1.0, kept.last->dof));
+      auto odds = [&](const Trial& t) {
+        double sum = -t.cost2 / 2;
+        for (const Accepted& e : t.effects) sum += e.occam;
+        return sum / left;
+      };
+      if (odds(result_.best) < odds(kept.best) + kSwap) result_ = std::move(kept);
+    }
+  }
+
   // Which effects, where and how.
   std::string signature() const {
     std::vector<std::string> parts;
@@ -76,6 +124,28 @@ class Searcher {
   }
 
   StageOptions stage_options() const { return {options_.suspects}; }
+
+  int members() const { return static_cast<int>(result_.best.effects.size()); }
+
+  // Effects at work, each counted once wherever it acts; every curve of no known cause by itself.
+  static std::size_t causes(const Trial& trial) {
+    std::set<std::string> tags;
+    for (const Accepted& e : trial.effects)
+      tags.insert(e.suspect.effect + (e.suspect.effect == "unknown" ? e.suspect.at : ""));
+    return tags.size();
+  }
+  bool within_causes(const Trial& base, const Suspect& s) const {
+    if (causes(base) < static_cast<std::size_t>(options_.most_effects)) return true;
+    return s.effect != "unknown" &&
+           std::any_of(base.effects.begin(), base.effects.end(),
+                       [&](const Accepted& e) { return e.suspect.plugin == s.plugin; });
+  }
+
+  // Where the noise makes the fit impossible, does the longer hypothesis predict rows better?
+  bool carries_over(const Stage& stage, const Trial& longer, const Trial& shorter) const {
+    if (!stage.studentised) return true;
+    return CarryOver::better(carry_over_.predicted(longer), carry_over_.predicted(shorter));
+  }
 
   void progress(const std::string& step, double share) const {
     if (options_.progress) options_.progress(step, share);
@@ -97,7 +167,7 @@ class Searcher {
     for (const Score& s : scores) {
       const Way& way = stage.suspects.ways[s.pick.form];
       const Suspect& suspect = stage.suspects.suspects[way.suspect];
-      if (s.freedom == 0 || taken(base, suspect)) continue;
+      if (s.freedom == 0 || taken(base, suspect) || !within_causes(base, suspect)) continue;
       const double prior = suspect.effect == "unknown" ? kUnknownPrior : 0;
       entries.push_back({&s, s.log_bayes - std::log(forms[way.suspect]) + prior});
     }
@@ -111,7 +181,9 @@ class Searcher {
       hypotheses.push_back(base.effects);
       hypotheses.back().push_back(stage.accepted(ground_, *e.score));
       // Occam's term of the screening, the gain of the refit.
-      result.push_back({hypotheses.back().back(), e.evidence - e.score->all / 2, 0, 0});
+      const double occam = e.evidence - e.score->all / 2;
+      hypotheses.back().back().occam = occam;
+      result.push_back({hypotheses.back().back(), occam, 0, 0});
     };
     std::set<std::string> places;
     for (const Entry& e : entries) {
@@ -127,23 +199,28 @@ class Searcher {
       add(e);
       if (static_cast<int>(result.size()) >= 2 * options_.finalists) break;
     }
+    trials_.clear();
     if (hypotheses.empty()) return {};
     TrialOptions trial_options;
     trial_options.from_nominal = true;
     std::vector<Trial> trials = fit_trials(ground_, hypotheses, base, trial_options);
-    std::size_t best = 0;
     for (std::size_t i = 0; i < trials.size(); ++i) {
       result[i].cost2 = trials[i].cost2;
       result[i].evidence += (base.cost2 - trials[i].cost2) / 2;
       if (!std::isfinite(result[i].evidence)) result[i].evidence = -1e300;
       result[i].effect = trials[i].effects.empty() ? result[i].effect : trials[i].effects.back();
-      if (result[i].evidence > result[best].evidence) best = i;
     }
-    best_trial_ = trials[best];
-    std::stable_sort(result.begin(), result.end(), [](const Alternative& a, const Alternative& b) {
-      return a.evidence > b.evidence;
+    std::vector<std::size_t> order(result.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return result[a].evidence > result[b].evidence;
     });
-    return result;
+    std::vector<Alternative> sorted;
+    for (std::size_t i : order) {
+      sorted.push_back(std::move(result[i]));
+      trials_.push_back(std::move(trials[i]));
+    }
+    return sorted;
   }
 
   static bool taken(const Trial& trial, const Suspect& s) {
@@ -153,8 +230,8 @@ class Searcher {
 
   // What is missing may have bent the geometry so far that nothing is seen from there: screening
   // from the nominal geometry as well. Its finalists take the others' place where they do better.
-  void unbent(bool open, std::vector<Alternative>& tried) {
-    const Trial kept = open ? best_trial_ : Trial{};
+  void unbent(std::vector<Alternative>& tried) {
+    std::vector<Trial> kept = std::move(trials_);
     Trial nominal;
     nominal.effects = result_.best.effects;
     for (const auto& [name, value] : result_.best.values)
@@ -164,7 +241,7 @@ class Searcher {
     if (!others.empty() && (tried.empty() || others[0].evidence > tried[0].evidence + kSwap))
       tried = std::move(others);
     else
-      best_trial_ = kept;
+      trials_ = std::move(kept);
   }
 
   std::vector<Accepted> without(std::size_t i) const {
@@ -197,11 +274,49 @@ class Searcher {
       double own = -std::numeric_limits<double>::infinity();
       for (const Alternative& a : tried)
         if (same_place(a.effect, result_.best.effects[i].suspect)) own = std::max(own, a.evidence);
-      if (tried[0].evidence > own + kSwap) {
-        result_.best = best_trial_;
+      if (tried[0].evidence > own + kSwap && carries_over(stage, trials_[0], result_.best)) {
+        result_.best = std::move(trials_[0]);
         std::rotate(result_.best.effects.begin() + static_cast<long>(i),
                     result_.best.effects.end() - 1, result_.best.effects.end());
       }
+    }
+  }
+
+  // An effect at work at several places is tried at all others of its kind together. What chance
+  // would do by itself is dropped again.
+  void complete(const Gate& gate) {
+    std::map<const Plugin*, int> places;
+    for (const Accepted& e : result_.best.effects)
+      if (e.suspect.effect != "unknown") ++places[e.suspect.plugin];
+    std::erase_if(places, [](const auto& p) { return p.second < 2; });
+    for (const auto& [plugin, count] : places) {
+      const Stage stage = stage_of(ground_, result_.best, stage_options());
+      const std::vector<Score> scores = stage.screen.scores();
+      std::map<int, std::pair<double, const Score*>> best;  // of each suspect
+      for (const Score& s : scores) {
+        const Suspect& suspect = stage.suspects.suspects[stage.suspects.ways[s.pick.form].suspect];
+        if (suspect.plugin != plugin || s.freedom == 0 || taken(result_.best, suspect)) continue;
+        auto& [evidence, score] = best[stage.suspects.ways[s.pick.form].suspect];
+        if (!score || s.log_bayes > evidence) evidence = s.log_bayes, score = &s;
+      }
+      if (best.empty()) continue;
+      std::vector<Accepted> effects = result_.best.effects;
+      double occam = 0;
+      std::vector<Alternative> each;
+      for (const auto& [suspect, found] : best) {
+        effects.push_back(stage.accepted(ground_, *found.second));
+        effects.back().occam = found.first - found.second->all / 2;
+        each.push_back({effects.back(), 0, 0, 0});
+        occam += effects.back().occam;
+      }
+      Trial all = fit_trial(ground_, effects, result_.best);
+      const double left = std::max(1.0, all.cost2 / std::max(1.0, stage.dof));
+      const double gain = result_.best.cost2 - all.cost2;
+      if (gain / 2 / left + occam < kLeastEvidence || !carries_over(stage, all, result_.best))
+        continue;
+      result_.best = std::move(all);
+      for (Alternative& a : each) result_.members.push_back({0, gate, {std::move(a)}});
+      backward();
     }
   }
 
@@ -268,7 +383,10 @@ class Searcher {
   const Ground& ground_;
   const SearchOptions& options_;
   Search result_;
-  Trial best_trial_;
+  CarryOver carry_over_;
+  std::vector<Trial> trials_;             // of the finalists, in their order
+  std::vector<Alternative> first_tried_;  // those of the first round, and their fits
+  std::vector<Trial> first_trials_;
   std::set<std::string> seen_;
 };
 

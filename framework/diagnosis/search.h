@@ -2,11 +2,16 @@
 // recordings speak for most, as long as chance would not make the best of so many candidates as
 // good; members that are no longer needed are dropped, and any member is exchanged for a rival that
 // does better beside the others.
+//
+// The number of causes is limited, not of places: where an effect is at work at two places of its
+// kind, it is tried at all others at once (an elastic arm gives way at every joint), and what is
+// not needed of these is dropped again.
 #pragma once
 
 #include <cstdint>
 #include <functional>
 
+#include "framework/diagnosis/carry_over.h"
 #include "framework/diagnosis/stage.h"
 
 namespace talus {
@@ -27,7 +32,8 @@ struct Member {
 
 struct SearchOptions {
   double alpha_first = 0.01, alpha_later = 0.002;
-  int most_effects = 4;
+  int most_effects = 4;   // causes: one effect at several places counts once
+  int most_members = 24;  // places in all
   int finalists = 8;
   std::uint64_t seed = 1;
   SuspectOptions suspects;

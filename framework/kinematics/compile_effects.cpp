@@ -264,11 +264,14 @@ Rigid<Expr> Compiler::joint_with_effects(const Element& joint, const Plugin& plu
 // angles are measured, and the mapped vectors themselves where components are.
 Rigid<Expr> Compiler::as_measured(int feature, const Matrix3<Expr>& R, const Vector3<Expr>& p) {
   const Feature& f = program_.features[feature];
+  if (f.kind == Kind::nothing) return Rigid<Expr>(R, p);  // a closure: nothing is measured
   auto known = deformations_.find(feature);
   if (known == deformations_.end()) {
     EffectPlace place{Acts::measured, "measurement"};
     place.feature = feature;
-    place.around.position = p;
+    const bool direction = f.kind == Kind::direction;
+    place.dimension = direction ? number : length;
+    place.around.position = direction ? column(R, 2) : p;
     known = deformations_.emplace(feature, corrections(place, {f.name, "measurement"})).first;
   }
   return mapped(f, R, p, known->second);
