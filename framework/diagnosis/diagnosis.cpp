@@ -15,6 +15,9 @@ namespace {
 // recording.
 constexpr double kNoticeable = 1;
 constexpr double kSure = 0.8;  // a name is claimed from this probability on
+// Two effects at one place are no explanation where either does so much of the whole; less is what
+// a formula that is not quite right leaves.
+constexpr double kPile = 0.15;
 // A misfit that cannot be chance nor a small error of the stated noise.
 constexpr double kImpossible = 1e-6, kPlain = 1.5;
 
@@ -303,12 +306,14 @@ class Diagnoser {
       return;
     }
     bool unknown = false, sure = true;
+    const double gain = d_.search.null.cost2 - d_.search.best.cost2;
     std::vector<std::string> found;
     for (Finding& f : d_.findings) {
       unknown |= f.effect == "unknown";
       sure &= f.probability >= kSure;
       for (const Finding& other : d_.findings)
-        unknown |= &f != &other && one_place(f.accepted, other.accepted);
+        unknown |= &f != &other && one_place(f.accepted, other.accepted) &&
+                   (!misfit || std::min(f.delta_chi2, other.delta_chi2) >= kPile * gain);
       f.statement =
           fmt::format("{} at {} (probability {:.2f})", f.effect, f.location, f.probability);
       found.push_back(f.statement);

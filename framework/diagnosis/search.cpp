@@ -20,6 +20,7 @@ constexpr double kUnknownPrior = -4;  // ln prior odds of a curve without a caus
 constexpr double kSwap = 3;           // ln by which a rival must be better
 constexpr double kLeftover =
     0.15;                         // of all that was explained: less, beside a name, is its leftover
+constexpr double kCoarse = 2.25;  // chi-square per degree of freedom: 1.5 sigmas
 constexpr double kNearly = 0.85;  // of the gain of the first: explains nearly as much
 constexpr int kOpenings = 2;
 constexpr double kDropLogP = -6.9;  // a member whose loss costs less than this is dropped
@@ -63,6 +64,7 @@ class Searcher {
       const double left =
           tried.empty() ? 1 : std::max(1.0, tried[0].cost2 / std::max(1.0, stage->dof));
       const double least = gate.open ? kLeastEvidence : kCertain;
+      names_first(tried, result_.best, least * left);
       while (!tried.empty() && tried[0].evidence / left >= least &&
              !carries_over(*stage, trials_[0], result_.best))
         tried.erase(tried.begin()), trials_.erase(trials_.begin());
@@ -77,6 +79,26 @@ class Searcher {
       if (!seen_.insert(signature()).second) break;  // it turns in a circle
       progress("searching", std::min(1.0, (round + 1.0) / options_.most_effects));
     }
+  }
+
+  // Does even this leave far more than the noise? Then no formula is exact here.
+  bool coarse(double cost2) const { return cost2 > kCoarse * std::max(1.0, result_.last->dof); }
+
+  // Where even the best curve is not exact, a name that leaves it less than it would leave beside
+  // it (leftovers) goes first.
+  void names_first(std::vector<Alternative>& tried, const Trial& base, double least) {
+    if (tried.empty() || tried[0].effect.suspect.effect != "unknown" || !coarse(tried[0].cost2))
+      return;
+    const double gain = base.cost2 - tried[0].cost2;
+    for (std::size_t i = 1; i < tried.size(); ++i)
+      if (tried[i].effect.suspect.effect != "unknown" && tried[i].evidence >= least &&
+          base.cost2 - tried[i].cost2 > (1 - kLeftover) * gain) {
+        std::rotate(tried.begin(), tried.begin() + static_cast<long>(i),
+                    tried.begin() + static_cast<long>(i) + 1);
+        std::rotate(trials_.begin(), trials_.begin() + static_cast<long>(i),
+                    trials_.begin() + static_cast<long>(i) + 1);
+        return;
+      }
   }
 
   // A formula with more freedom may do the work of two effects, better than either of them alone.
@@ -274,6 +296,7 @@ class Searcher {
       double own = -std::numeric_limits<double>::infinity();
       for (const Alternative& a : tried)
         if (same_place(a.effect, result_.best.effects[i].suspect)) own = std::max(own, a.evidence);
+      names_first(tried, rest, kLeastEvidence);
       if (tried[0].evidence > own + kSwap && carries_over(stage, trials_[0], result_.best)) {
         result_.best = std::move(trials_[0]);
         std::rotate(result_.best.effects.begin() + static_cast<long>(i),
@@ -356,6 +379,12 @@ class Searcher {
         m.alternatives = finalists(stage, rest);
       }
       m.gain = rest.cost2 - result_.best.cost2;
+      // A curve that does little more than a name takes up what its formula leaves.
+      const double little = kLeftover * (result_.null.cost2 - result_.best.cost2);
+      if (effects[i].suspect.effect != "unknown" && coarse(result_.best.cost2))
+        std::erase_if(m.alternatives, [&](const Alternative& a) {
+          return a.effect.suspect.effect == "unknown" && a.cost2 > result_.best.cost2 - little;
+        });
       probabilities(m.alternatives);
       progress("rivals", (i + 1.0) / static_cast<double>(effects.size()));
     }

@@ -32,7 +32,7 @@ struct Member {
 
 struct SearchOptions {
   double alpha_first = 0.01, alpha_later = 0.002;
-  int most_effects = 4;   // causes: one effect at several places counts once
+  int most_effects = 6;   // causes: one effect at several places counts once
   int most_members = 24;  // places in all
   int finalists = 8;
   std::uint64_t seed = 1;
