@@ -10,6 +10,8 @@ namespace {
 constexpr double kSure = 0.8;  // a name is claimed from this probability on
 // A misfit that cannot be chance nor a small error of the stated noise.
 constexpr double kImpossible = 1e-6, kPlain = 1.5;
+// Where the whole does not hold to the noise, less than this share of it is what a formula leaves.
+constexpr double kPile = 0.15;
 constexpr double kClean = 1e-3;  // chance of a misfit that leaves nothing to explain
 
 }  // namespace
@@ -45,6 +47,7 @@ void conclude(Diagnosis& d) {
   // Names that stack up in one place are the shape of something third, unless each does another
   // thing there and nothing is left to explain.
   const bool clean = (!d.after.noise_known || d.after.chi2_p > kClean) && d.noise.unwhite.empty();
+  const double gain = d.search.null.cost2 - d.search.best.cost2;
   bool unknown = false, sure = true;
   std::vector<std::string> found;
   for (Finding& f : d.findings) {
@@ -52,7 +55,8 @@ void conclude(Diagnosis& d) {
     sure &= f.probability >= kSure;
     for (const Finding& other : d.findings)
       unknown |= &f != &other && one_place(f.accepted, other.accepted) &&
-                 (!clean || one_kind(f.accepted, other.accepted));
+                 (!clean || one_kind(f.accepted, other.accepted)) &&
+                 (!misfit || std::min(f.delta_chi2, other.delta_chi2) >= kPile * gain);
     f.statement = fmt::format("{} at {} (probability {:.2f})", f.effect, f.location, f.probability);
     found.push_back(f.statement);
   }

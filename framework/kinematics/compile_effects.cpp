@@ -164,13 +164,17 @@ std::vector<Expr> Compiler::corrections(EffectPlace place, const std::vector<std
     if (std::find(names.begin(), names.end(), at) == names.end()) continue;
     const Place where = e->find("at") ? e->find("at")->place : e->place;
     const auto& on = d.effect.on;
-    if (!on.empty() && std::find(on.begin(), on.end(), place.dimension) == on.end())
+    if (!on.empty() && std::find(on.begin(), on.end(), place.dimension) == on.end()) {
+      // All that is measured has one name; of it this acts on what it can.
+      if (place.acts == Acts::measured && at == names.back()) continue;
       throw InputError(where,
                        fmt::format("<{}> does not act on '{}', which is {}", e->tag, at,
                                    describe(place.dimension)),
                        describe(on[0]));
+    }
     placed_[e] = true;
     EffectPlace here = place;
+    const std::size_t before = program_.readings.size();
     for (Covariate c : d.effect.needs) know(c, here, where);
     if (d.effect.driven != Driven::no) here.around.driver = driver(*e);
     std::vector<Expr> values;
@@ -188,6 +192,16 @@ std::vector<Expr> Compiler::corrections(EffectPlace place, const std::vector<std
     }
     const std::vector<Expr> more = plugin.act(here.around, values, choices(*e, d));
     for (int k = 0; k < parts; ++k) sum[k] += more[k];
+    // Circumstances that its amounts do without (a drift with the time alone: the temperature).
+    const auto unused = [&](const Reading& r) {
+      return r.covariate && std::none_of(more.begin(), more.end(), [&](const Expr& e) {
+               const std::vector<int> on = support(e);
+               return std::binary_search(on.begin(), on.end(), r.slot);
+             });
+    };
+    auto& readings = program_.readings;
+    const auto added = readings.begin() + static_cast<std::ptrdiff_t>(before);
+    readings.erase(std::remove_if(added, readings.end(), unused), readings.end());
   }
   if (recorded_) {
     for (Covariate c : {Covariate::approach, Covariate::time, Covariate::session, Covariate::pose,
@@ -265,11 +279,14 @@ Rigid<Expr> Compiler::joint_with_effects(const Element& joint, const Plugin& plu
 // angles are measured, and the mapped vectors themselves where components are.
 Rigid<Expr> Compiler::as_measured(int feature, const Matrix3<Expr>& R, const Vector3<Expr>& p) {
   const Feature& f = program_.features[feature];
+  if (f.kind == Kind::nothing) return Rigid<Expr>(R, p);  // a closure: nothing is measured
   auto known = deformations_.find(feature);
   if (known == deformations_.end()) {
     EffectPlace place{Acts::measured, "measurement"};
     place.feature = feature;
-    place.around.position = p;
+    const bool direction = f.kind == Kind::direction;
+    place.dimension = direction ? number : length;
+    place.around.position = direction ? column(R, 2) : p;
     known = deformations_.emplace(feature, corrections(place, {f.name, "measurement"})).first;
   }
   return mapped(f, R, p, known->second);
