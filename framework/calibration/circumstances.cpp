@@ -158,6 +158,8 @@ Settings with_circumstances(const Program& program, Settings settings, const Rec
       add(name, dimension,
           numbers(payload == program.payloads.end() ? usual_value(name) : payload->mass, 0));
   }
+  if (depends_on_loads(program) && table && table->find(gravity_columns[0]))
+    for (const char* name : gravity_columns) add(name, number, table->get(name, number).values);
   settings.circumstances = made.columns;
 
   for (std::size_t i = 0; i < program.readings.size(); ++i) {  // what they follow from

@@ -1,7 +1,7 @@
 // The circumstances that a model's effects depend on, as columns of the recordings: those that are
-// recorded (pose, time, session, temperature, approach_<joint>, and the payloads that loads follow
-// from), and those that follow from these and the readings (kinematics/covariates.h,
-// load_columns.h).
+// recorded (pose, time, session, temperature, approach_<joint>, and payloads and the direction of
+// gravity, which loads follow from), and those that follow from these and the readings
+// (kinematics/covariates.h, load_columns.h).
 #pragma once
 
 #include <span>

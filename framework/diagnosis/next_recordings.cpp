@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "framework/diagnosis/advice.h"
 #include "framework/diagnosis/blind_spots.h"
@@ -26,37 +28,71 @@ bool by_poses(const EffectTraits& effect) {
   });
 }
 
+bool needs(const EffectTraits& effect, std::initializer_list<Covariate> any) {
+  return std::any_of(effect.needs.begin(), effect.needs.end(), [&](Covariate c) {
+    return std::find(any.begin(), any.end(), c) != any.end();
+  });
+}
+
 std::string place_of(const std::string& effect, const std::string& location) {
   return spoken(effect) + " at " + location;
 }
 
 class Chooser {
  public:
+  // `mounting`: poses of the pool that are turned so may be chosen beside those that are not.
   Chooser(const Diagnosis& diagnosis, const Seen& seen, const Pool& pool,
-          const AdviceOptions& options)
+          const AdviceOptions& options, int mounting = -1)
       : d_(diagnosis),
         seen_(seen),
         pool_(pool),
         options_(options),
-        candidates_(pool.suspects.candidates) {}
+        candidates_(pool.suspects.candidates) {
+    for (std::size_t i = 0; i < pool.poses.size(); ++i)
+      if (const int m = pool.origins[i].mounting; m < 0 || m == mounting) {
+        which_.push_back(i);
+        poses_.push_back(pool.poses[i]);
+      }
+    targets();
+    choice_.count = options_.poses;
+    choice_.threads = options_.threads;
+    const Screen::Inside& stage = d_.search.stage->screen.inside();
+    if (d_.search.first.threshold < 0)
+      choice_.seen = needed_noncentrality(d_.search.first.threshold, 2, 0.8) * stage.noise;
+    if (!wanted_.empty())
+      chosen_ = next_poses(pool_.baseline, candidates_, poses_, wanted_, choice_);
+  }
+
+  // Targets that the chosen poses show or tell apart; the least share of what is needed, up to one.
+  std::pair<int, double> reached() const {
+    int count = 0;
+    for (std::size_t t = 0; t < wanted_.size(); ++t) count += share(t) >= 1;
+    return {count, std::min(1.0, chosen_.after)};
+  }
+
+  bool telling() const { return telling_; }
+
+  // Is a target out of reach that other loads could change?
+  bool wants_other_loads() const {
+    for (std::size_t t = 0; t < wanted_.size(); ++t) {
+      if (share(t) >= 1) continue;
+      std::vector<int> forms = wanted_[t].rivals;
+      forms.push_back(wanted_[t].form);
+      for (const int f : forms)
+        if (needs(trait(f), {Covariate::load, Covariate::tip_load})) return true;
+    }
+    return false;
+  }
 
   NextRecordings run() {
-    targets();
     describe_coordinates();
     if (wanted_.empty()) {
       out_.statement = "No further poses are needed for the usual suspects that poses can show.";
       return std::move(out_);
     }
-    NextPosesOptions options;
-    options.count = options_.poses;
-    options.threads = options_.threads;
-    const Screen::Inside& stage = d_.search.stage->screen.inside();
-    if (d_.search.first.threshold < 0)
-      options.seen = needed_noncentrality(d_.search.first.threshold, 2, 0.8) * stage.noise;
-    const NextPoses chosen = next_poses(pool_.baseline, candidates_, pool_.poses, wanted_, options);
-    out_.before = chosen.before, out_.after = chosen.after;
-    for (std::size_t t = 0; t < wanted_.size(); ++t) gain(t, chosen.targets[t], options);
-    for (const int pose : chosen.chosen) add(chosen, pose, options);
+    out_.before = chosen_.before, out_.after = chosen_.after;
+    for (std::size_t t = 0; t < wanted_.size(); ++t) gain(t, chosen_.targets[t]);
+    for (const int pose : chosen_.chosen) add(pose);
     statement();
     return std::move(out_);
   }
@@ -82,10 +118,57 @@ class Chooser {
     return best;
   }
 
+  const EffectTraits& trait(int form) const {
+    const Way& way = pool_.suspects.ways[static_cast<std::size_t>(origin_of(form))];
+    return pool_.suspects.suspects[static_cast<std::size_t>(way.suspect)]
+        .plugin->declaration.effect;
+  }
+  int origin_of(int form) const {
+    const auto it = made_.find(form);
+    return it == made_.end() ? form : it->second;
+  }
+
+  // What acts from a recorded pose or session on: nothing before, and all that is recorded next is
+  // after.
+  int from_onset(int form, const Accepted& e) {
+    const EffectTraits& effect = e.suspect.plugin->declaration.effect;
+    const auto from = e.way.settings.find(effect.onset);
+    if (form < 0 || effect.onset.empty() || from == e.way.settings.end()) return form;
+    const RecordedColumn* session =
+        effect.onset_of == Covariate::session ? d_.recordings.find("session") : nullptr;
+    Form made = candidates_.forms[static_cast<std::size_t>(form)];
+    const Eigen::Index first = candidates_.columns.cols(),
+                       count = static_cast<Eigen::Index>(made.columns.size());
+    const std::vector<int> own = made.columns;
+    Eigen::MatrixXd columns = candidates_.columns(Eigen::all, own);
+    for (Eigen::Index r = 0; r < columns.rows(); ++r) {
+      const int pose = pool_.baseline.pose[static_cast<std::size_t>(r)];
+      const std::size_t row = pool_.recorded[static_cast<std::size_t>(pose)];
+      const double when = session ? session->values[row] : pose_number(d_.recordings, row);
+      if (when < from->second) columns.row(r).setZero();
+    }
+    auto append = [&](Eigen::MatrixXd& all, const Eigen::MatrixXd& more) {
+      all.conservativeResize(Eigen::NoChange, first + count);
+      all.rightCols(count) = more;
+    };
+    for (PoolPose& p : poses_) append(p.candidates, Eigen::MatrixXd(p.candidates(Eigen::all, own)));
+    append(candidates_.columns, columns);
+    const Eigen::VectorXd typical = candidates_.typical(own);
+    candidates_.typical.conservativeResize(first + count);
+    candidates_.typical.tail(count) = typical;
+    for (std::size_t i = 0; i < own.size(); ++i)
+      made.columns[i] = static_cast<int>(first) + static_cast<int>(i);
+    candidates_.forms.push_back(made);
+    const int index = static_cast<int>(candidates_.forms.size()) - 1;
+    made_[index] = form;
+    return index;
+  }
+
   void target(const Suspect& suspect, const Way& way, const Eigen::VectorXd& amounts,
-              const std::vector<const Accepted*>& rivals) {
+              const std::vector<const Accepted*>& rivals, const Accepted* found = nullptr) {
     if (wanted_.size() >= kMostTargets) return;
-    const int form = form_of(suspect, way);
+    int form = form_of(suspect, way);
+    if (found) form = from_onset(form, *found);
     if (form < 0) return;
     // Typical sizes are those that the recorded poses stand for.
     const Form& columns = candidates_.forms[static_cast<std::size_t>(form)];
@@ -94,7 +177,7 @@ class Chooser {
     Target t{form, amounts, {}};
     NextTarget named{suspect.effect, suspect.location, "", ""};
     for (const Accepted* r : rivals)
-      if (const int other = form_of(r->suspect, r->way); other >= 0) {
+      if (const int other = from_onset(form_of(r->suspect, r->way), *r); other >= 0) {
         t.rivals.push_back(other);
         named.rivals.push_back(place_of(r->suspect.effect, r->suspect.location));
       }
@@ -114,13 +197,11 @@ class Chooser {
           if (a.probability >= kNamedRival && a.effect.suspect.effect != "unknown" &&
               !(a.effect.suspect.plugin == e.suspect.plugin && a.effect.suspect.at == e.suspect.at))
             rivals.push_back(&a.effect);
-        const bool known =
-            e.suspect.effect != "unknown" && e.suspect.plugin->declaration.effect.onset.empty();
-        if (known && !rivals.empty())
+        if (e.suspect.effect != "unknown" && !rivals.empty())
           target(e.suspect, e.way,
                  Eigen::Map<const Eigen::VectorXd>(e.amounts.data(),
                                                    static_cast<Eigen::Index>(e.amounts.size())),
-                 rivals);
+                 rivals, &e);
       }
     telling_ = !wanted_.empty();
     if (telling_) return;
@@ -141,6 +222,7 @@ class Chooser {
   }
 
   void describe_coordinates() {
+    out_.loops = pool_.loops;
     for (std::size_t i = 0; i < pool_.coordinates.size(); ++i) {
       out_.names.push_back(pool_.coordinates[i].name);
       out_.dimensions.push_back(pool_.coordinates[i].dimension);
@@ -149,7 +231,30 @@ class Chooser {
     }
   }
 
-  void gain(std::size_t t, const TargetGain& g, const NextPosesOptions& options) {
+  // Of what is needed, how much the chosen poses give.
+  double share(std::size_t t) const {
+    const TargetGain& g = chosen_.targets[t];
+    const double seen = g.seen_after / choice_.seen;
+    return wanted_[t].rivals.empty() ? seen : std::min(seen, g.told_after / choice_.told);
+  }
+
+  // Joints whose sense of approach the targets or their rivals depend on.
+  std::set<std::string> sides() const {
+    std::set<std::string> result;
+    for (std::size_t t = 0; t < wanted_.size(); ++t) {
+      if (!chosen_.targets[t].attainable) continue;
+      std::vector<int> forms = wanted_[t].rivals;
+      forms.push_back(wanted_[t].form);
+      for (const int f : forms)
+        if (needs(trait(f), {Covariate::approach})) {
+          const Way& way = pool_.suspects.ways[static_cast<std::size_t>(origin_of(f))];
+          result.insert(pool_.suspects.suspects[static_cast<std::size_t>(way.suspect)].joint);
+        }
+    }
+    return result;
+  }
+
+  void gain(std::size_t t, const TargetGain& g) {
     NextTarget& named = out_.targets[t];
     double size = 1;  // of the amounts that the chi-square belongs to, in typical ones
     if (wanted_[t].amounts.size() > 0) {
@@ -162,7 +267,7 @@ class Chooser {
       size = std::sqrt(sum);
     }
     auto smallest = [&](double chi2) {
-      return chi2 > 1e-6 ? named.typical * size * std::sqrt(options.seen / chi2) : INFINITY;
+      return chi2 > 1e-6 ? named.typical * size * std::sqrt(choice_.seen / chi2) : INFINITY;
     };
     named.smallest_before = smallest(g.seen_before), named.smallest_after = smallest(g.seen_after);
     named.told_before = g.told_before, named.told_after = g.told_after;
@@ -170,24 +275,24 @@ class Chooser {
   }
 
   // What is lost most without the pose is what it is for.
-  void add(const NextPoses& chosen, int pose, const NextPosesOptions& options) {
+  void add(int pose) {
     std::vector<PoolPose> others;
-    for (const int p : chosen.chosen)
-      if (p != pose) others.push_back(pool_.poses[static_cast<std::size_t>(p)]);
+    for (const int p : chosen_.chosen)
+      if (p != pose) others.push_back(poses_[static_cast<std::size_t>(p)]);
     std::vector<std::pair<double, std::size_t>> loss;
     for (std::size_t t = 0; t < wanted_.size(); ++t) {
-      if (!chosen.targets[t].attainable) continue;
+      if (!chosen_.targets[t].attainable) continue;
       loss.emplace_back(0, t);
     }
     std::vector<Target> attainable;
     for (const auto& [l, t] : loss) attainable.push_back(wanted_[t]);
-    NextPosesOptions rest = options;
+    NextPosesOptions rest = choice_;
     rest.count = 0;  // the design with the others, nothing further
     const Baseline with = extended_baseline(others);
     const Candidates columns = extended_candidates(others);
     const NextPoses without = next_poses(with, columns, {}, attainable, rest);
     for (std::size_t i = 0; i < loss.size(); ++i) {
-      const TargetGain &full = chosen.targets[loss[i].second], &less = without.targets[i];
+      const TargetGain &full = chosen_.targets[loss[i].second], &less = without.targets[i];
       const bool told = !wanted_[loss[i].second].rivals.empty();
       const double a = told ? full.told_after : full.seen_after,
                    b = told ? less.told_before : less.seen_before;
@@ -196,8 +301,13 @@ class Chooser {
     std::stable_sort(loss.begin(), loss.end(),
                      [](const auto& a, const auto& b) { return a.first > b.first; });
     NextPose next;
-    next.row = pool_.rows[static_cast<std::size_t>(pose)];
-    next.coordinates = pool_.settings.poses[static_cast<std::size_t>(pose)];
+    const std::size_t at = which_[static_cast<std::size_t>(pose)];
+    const Origin& origin = pool_.origins[at];
+    next.row = pool_.rows[at];
+    if (origin.again >= 0)
+      next.again = pose_number(d_.recordings, static_cast<std::size_t>(origin.again));
+    next.coordinates = pool_.settings.poses[at];
+    if (!loss.empty()) next.gain = loss[0].first;
     for (const auto& [l, t] : loss) {
       if (next.purposes.size() == kPurposes || (!next.purposes.empty() && l < loss[0].first / 2))
         break;
@@ -208,6 +318,9 @@ class Chooser {
     }
     add_to_table(out_.table, *d_.program, pool_, next.coordinates, next.row);
     next.row = out_.table.rows() - 1;
+    next.how = how_to_record(out_.table, *d_.program, pool_, origin, sides());
+    if (origin.mounting >= 0)
+      out_.mounting = pool_.mountings[static_cast<std::size_t>(origin.mounting)].words;
     out_.poses.push_back(std::move(next));
   }
 
@@ -268,8 +381,13 @@ class Chooser {
   const Seen& seen_;
   const Pool& pool_;
   const AdviceOptions& options_;
-  Candidates candidates_;  // of the pool
+  Candidates candidates_;           // of the pool, and what acts from a pose on
+  std::map<int, int> made_;         // such a form, and the one it was made of
+  std::vector<std::size_t> which_;  // of the pool
+  std::vector<PoolPose> poses_;     // these
   std::vector<Target> wanted_;
+  NextPosesOptions choice_;
+  NextPoses chosen_;
   bool telling_ = false;
   NextRecordings out_;
 };
@@ -281,14 +399,38 @@ NextRecordings next_recordings(const Ground& ground, const Diagnosis& diagnosis,
   NextRecordings none;
   if (options.pool <= 0 || options.poses <= 0) return none;
   try {
-    const Pool pool =
-        pool_of(ground, diagnosis.recordings, diagnosis.search.null, fit_before(diagnosis).x,
-                options.pool, options.seed, options.suspects);
-    if (pool.poses.empty()) {
+    PoolOptions drawn{options.pool, options.seed, false, options.suspects};
+    auto pool = [&] {
+      return pool_of(ground, diagnosis.recordings, diagnosis.search.null, fit_before(diagnosis).x,
+                     drawn);
+    };
+    const Pool standing = pool();
+    Chooser best(diagnosis, seen, standing, options);
+    if (standing.poses.empty() && standing.loops.empty())
       none.statement = "No next poses: none within the ranges of the sensors can be simulated.";
-      return none;
-    }
-    return Chooser(diagnosis, seen, pool, options).run();
+    else if (standing.poses.empty())
+      none.statement =
+          "No next poses: none was found within the ranges of the sensors that closes " +
+          join(standing.loops) + ".";
+    if (standing.poses.empty()) return none;
+    NextRecordings result = best.run();
+    if (!best.wants_other_loads()) return result;
+    // Turning a linkage is work: only where poses and payloads do not tell what was found from its
+    // rivals. What it would show beside is but said.
+    drawn.turned = true;
+    const Pool turned = pool();
+    int found = -1;
+    auto most = best.reached();
+    for (int m = 0; m < static_cast<int>(turned.mountings.size()); ++m)
+      if (const auto now = Chooser(diagnosis, seen, turned, options, m).reached();
+          now.first > most.first || (found >= 0 && now > most))
+        most = now, found = m;
+    if (found < 0) return result;
+    if (best.telling()) return Chooser(diagnosis, seen, turned, options, found).run();
+    result.statement +=
+        fmt::format(" As many poses, some with {}, would show {}.",
+                    turned.mountings[static_cast<std::size_t>(found)].words, most.first);
+    return result;
   } catch (const InputError& error) {
     none.statement = std::string("No next poses: ") + error.what();
     return none;
