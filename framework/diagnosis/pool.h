@@ -1,35 +1,22 @@
 // What could be recorded next, made linear beside what was recorded, so that next_poses.h can
 // choose:
-//
-//     free poses    drawn at random within the ranges of sensors and unknowns, with circumstances
-//     as a
-//                   recording would have: joints approached from either side, the lightest or the
-//                   heaviest payload; where loops must close, moved until they do (closed_loops.h)
-//     poses again   some that were recorded, with every joint approached from the other side, or
-//     with
-//                   another payload: whatever holds the linkage lets it go there
-//     turned        either, in other mountings (mountings.h), where asked for
-//
+//     free poses   drawn at random within the ranges of sensors and unknowns, under circumstances
+//                  that a recording would have: joints approached from either side, the lightest or
+//                  heaviest payload; where loops must close, moved until they do (closed_loops.h)
+//     poses again  some that were recorded, every joint approached from the other side, or with
+//                  another payload: whatever holds the linkage lets it go there
+//     turned       both in other mountings (mountings.h), where asked for
 // Where a model states no range of a sensor or unknown, what was visited is widened: by half its
 // width on both sides, that of a sensor to a third of a turn at least. Payloads are none and the
 // heaviest seen, or the ends of the stated range. The time goes on after the last pose. Only where
 // the recordings have a sense of approach is there one here.
 #pragma once
 
-#include <cstdint>
-
-#include "framework/calibration/settings.h"
-#include "framework/diagnosis/mountings.h"
 #include "framework/diagnosis/next_poses.h"
+#include "framework/diagnosis/pool_drawing.h"
 #include "framework/diagnosis/stage.h"
 
 namespace talus {
-
-struct Origin {
-  int again = -1;  // recorded row that is repeated; -1: a free pose
-  bool other_side = false;
-  int mounting = -1;  // of Pool::mountings; -1: as it was
-};
 
 struct Pool {
   std::vector<Coordinate> coordinates;  // of the settings, with the ranges they were drawn from
@@ -44,13 +31,6 @@ struct Pool {
   std::vector<std::size_t> recorded;  // row of each pose of the baseline
   Suspects suspects;  // forms over both; their columns are those of the recorded rows
   std::vector<PoolPose> poses;
-};
-
-struct PoolOptions {
-  int count = 300;  // of free poses
-  std::uint64_t seed = 1;
-  bool turned = false;
-  SuspectOptions suspects;
 };
 
 // `fit_x`: the solution of the calibration of the model (Fit::x); `null` its trial. InputError
