@@ -96,8 +96,12 @@ void run(Options& o) {
     write_file(file, lua ? write_lua(extended) : write_xml(extended));
   }
   if (!o.next.empty() && !advice.next.poses.empty()) {
-    put(o.next, fmt::format("# poses to record next, for {} after {}\n", o.model, o.recordings) +
-                    write_recordings(advice.next.table));
+    std::string head =
+        fmt::format("# poses to record next, for {} after {}\n", o.model, o.recordings);
+    for (std::size_t k = 0; k < advice.next.poses.size(); ++k)
+      if (const std::string& how = advice.next.poses[k].how; !how.empty())
+        head += fmt::format("# {}: {}\n", k + 1, how);
+    put(o.next, head + write_recordings(advice.next.table));
     files.next_poses = o.next;
   }
   const ReportContext context{"diagnose", o.model, o.recordings, &measured};

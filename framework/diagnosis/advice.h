@@ -4,6 +4,8 @@
 // recordings at hand would not show.
 #pragma once
 
+#include <cmath>
+
 #include "framework/diagnosis/curve.h"
 #include "framework/diagnosis/seen.h"
 
@@ -22,6 +24,9 @@ struct NextPose {
   std::size_t row = 0;                // of the table
   std::vector<double> coordinates;    // as NextRecordings::names, internal units
   std::vector<std::string> purposes;  // "see encoder eccentricity at encoder3", the first the most
+  std::string how;                    // "joint3 from above, with 2 kg"; empty: only go there
+  double again = std::nan("");        // number of the recorded pose that it repeats
+  double gain = 0;  // share of the chi-square of its first purpose that would be lost without it
 };
 
 struct NextRecordings {
@@ -31,6 +36,8 @@ struct NextRecordings {
   std::vector<std::string> assumed;  // those whose range the model does not state
   std::vector<NextPose> poses;       // the most useful first
   Recordings table;                  // readings and circumstances, one row per pose
+  std::string mounting;              // "B turned 90 deg about its x axis", where some need it
+  std::vector<std::string> loops;    // closures that the poses keep
   double before = 0, after = 0;      // least of chi-square over what is needed, attainable targets
   std::vector<NextTarget> targets;
   std::string statement;  // what they are for, or why there are none

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "framework/kinematics/compiler.h"
 #include "framework/kinematics/effect_motion.h"
@@ -333,6 +334,26 @@ void Compiler::check_effects() const {
                                    : "at=\"...\", one of: " + join(names),
                      at ? nearest(at->text, names) : "");
   }
+}
+
+// An effect that could follow several circumstances needs only those of its amounts that are not
+// zero.
+void Compiler::forget_unused_covariates() {
+  std::set<int> used;
+  for (const auto& slots : row_support(program_)) used.insert(slots.begin(), slots.end());
+  auto use = [&](const Expr& e) {
+    for (const int slot : support(e)) used.insert(slot);
+  };
+  for (const Frame& frame : program_.frames)
+    for (const Motion<Expr>& m : frame.motion.motions()) {
+      use(m.amount);
+      for (int i = 0; i < 3; ++i) {
+        use(m.translation[i]);
+        for (int j = 0; j < 3; ++j) use(m.rotation[i][j]);
+      }
+    }
+  std::erase_if(program_.readings,
+                [&](const Reading& r) { return r.covariate && !used.contains(r.slot); });
 }
 
 }  // namespace talus

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "framework/calibration/load_columns.h"
 #include "framework/report/diagnosis_report.h"
 #include "framework/report/json_parts.h"
 
@@ -76,6 +77,13 @@ Json poses_of(const NextRecordings& next, const Program& program) {
         if (p.column == c.name)
           pose["payload"][c.name] = {{"value", value(v)}, {"unit", c.unit.text}};
     }
+    if (const RecordedColumn* x = next.table.find(gravity_columns[0]);
+        x && !std::isnan(x->values[k]))
+      for (const char* name : gravity_columns)
+        pose["gravity"].push_back(value(next.table.find(name)->values[k]));
+    pose["how"] = next.poses[k].how;
+    pose["again"] = value(next.poses[k].again);
+    pose["gain"] = value(next.poses[k].gain);
     pose["for"] = "to " + join(next.poses[k].purposes, ", and to ");
     out.push_back(std::move(pose));
   }
@@ -98,6 +106,7 @@ Json gain_of(const NextRecordings& next) {
                               {"told_apart_after", value(t.told_after)},
                               {"attainable", t.attainable}});
   out["ranges_assumed"] = next.assumed;
+  out["mounting"] = next.mounting.empty() ? Json(nullptr) : Json(next.mounting);
   return out;
 }
 

@@ -34,6 +34,7 @@ std::string evidence_table(const Diagnosis& diagnosis);
 std::string moved_parameters(const Diagnosis& diagnosis, std::size_t most);
 std::string sensitivity_table(const Seen& seen, bool all);
 std::string next_table(const NextRecordings& next, const UnitSystem& units, bool purposes);
+std::string next_places(const NextRecordings& next, const Program& program);
 std::string curve_plot(const Curve& curve);
 
 }  // namespace talus

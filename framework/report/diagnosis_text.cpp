@@ -190,7 +190,7 @@ class Writer {
     }
     if (!options_.details && attained.size() > 5)
       out_ += fmt::format("  - and {} more (--details)\n", attained.size() - 5);
-    std::string held = "The linkage is taken to be free to go anywhere within its sensors' ranges.";
+    std::string held = next_places(n, *d_.program);
     if (!n.assumed.empty())
       held +=
           " The model states none of " + join(n.assumed) +
