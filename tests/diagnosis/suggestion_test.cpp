@@ -74,8 +74,8 @@ TEST_CASE("a bump that no effect makes is given as a formula that can be used as
 
 TEST_CASE("named effects are given no formula") {
   const Diagnosed d =
-      diagnosed(isl, isl_recordings("<encoder_zero_slip at='encoder3' step='0.2' pose='31'/>"),
-                {"encoder_zero_slip", "encoder_eccentricity"});
+      diagnosed(isl, isl_recordings("<encoder_eccentricity at='encoder1' sine='1' cosine='1'/>"),
+                {"encoder_eccentricity", "encoder_second_harmonic"});
   REQUIRE(d.advice.formulas.size() == 1);
   CHECK_FALSE(d.advice.formulas[0]);
 }
