@@ -59,24 +59,20 @@ class Regression {
     return y;
   }
 
-  // Chi-square without and with the free curves; the noise is what the best of them leaves.
+  // The noise is what the best of the free curves leaves, where it is not known or that is more.
   void noise() {
-    double best = kInfinite;
+    std::vector<std::pair<double, int>> curves;  // chi-square, directions
+    double left = e_.chi2 / std::max(1.0, e_.freedom);
     for (const MatrixXd& curve : e_.curves) {
       const auto [gain, seen] = gain_of(curve, nullptr);
-      const double chi2 = e_.chi2 - gain;
-      const double left = chi2 / std::max(1.0, e_.freedom - seen);
-      const double scale = e_.noise_known ? std::max(1.0, left) : left;
-      const double bic = chi2 / scale + seen * std::log(e_.rows);
-      if (bic < best)
-        best = bic, out_.noise = scale, out_.curve_chi2 = chi2, out_.curve_parameters = seen;
+      curves.emplace_back(e_.chi2 - gain, seen);
+      left = std::min(left, (e_.chi2 - gain) / std::max(1.0, e_.freedom - seen));
     }
-    if (!std::isfinite(best)) {
-      out_.curve_chi2 = e_.chi2;
-      if (!e_.noise_known) out_.noise = e_.chi2 / std::max(1.0, e_.freedom);
-    }
-    out_.curve_chi2 /= out_.noise;
-    out_.curve_bic = out_.curve_chi2 + out_.curve_parameters * std::log(e_.rows);
+    out_.noise = e_.noise_known ? std::max(1.0, left) : left;
+    out_.curve_chi2 = out_.curve_bic = e_.chi2 / out_.noise;
+    for (const auto& [chi2, seen] : curves)
+      if (const double bic = chi2 / out_.noise + seen * std::log(e_.rows); bic < out_.curve_bic)
+        out_.curve_bic = bic, out_.curve_chi2 = chi2 / out_.noise, out_.curve_parameters = seen;
   }
 
   // What a free curve explains (beside a formula), and how many directions of it are seen.
@@ -226,7 +222,8 @@ class Regression {
             if (!part.scanned->shape->settings[k].fitted()) continue;
             for (const double sense : {-1.0, 1.0}) {
               const double before = part.settings[k];
-              part.settings[k] = moved(part.scanned->tries[k], before, sense * share);
+              part.settings[k] = moved(part.scanned->shape->settings[k], part.scanned->tries[k],
+                                       before, sense * share);
               const double chi2 = chi2_of(parts);
               if (chi2 < best - 1e-6)
                 best = chi2, better = true;
@@ -239,33 +236,36 @@ class Regression {
     for (const Part& part : parts)
       for (std::size_t k = 0; k < part.settings.size(); ++k)
         if (part.scanned->shape->settings[k].fitted())
-          edge |= at_edge(part.scanned->tries[k], part.settings[k]);
+          edge |=
+              at_edge(part.scanned->shape->settings[k], part.scanned->tries[k], part.settings[k]);
   }
 
-  // By a share of the spacing of the tries there, staying within them and off the gap about zero.
-  static double moved(const std::vector<double>& tries, double value, double share) {
+  // By a share of the spacing of the tries there, staying within them. A scale is of either sense
+  // and not near zero.
+  static double moved(const ShapeSetting& setting, const std::vector<double>& tries, double value,
+                      double share) {
     auto above = std::upper_bound(tries.begin(), tries.end(), value);
     if (above == tries.end()) --above;
     if (above == tries.begin()) ++above;
     const double high = *above, low = *(above - 1);
     const double next = value + share * (high - low);
     if (next < tries.front() || next > tries.back()) return value;
-    if (low < 0 && high > 0) return value;
-    if ((next < 0) != (value < 0)) return value;
+    if (setting.kind == ShapeSetting::Kind::scale &&
+        ((low < 0 && high > 0) || (next < 0) != (value < 0)))
+      return value;
     return next;
   }
 
-  static bool at_edge(const std::vector<double>& tries, double value) {
+  static bool at_edge(const ShapeSetting& setting, const std::vector<double>& tries, double value) {
     auto near = [&](double end, double beside) {
       return std::abs(value - end) <= 0.1 * std::abs(beside - end);
     };
     const std::size_t n = tries.size();
     if (n < 2) return false;
     if (near(tries[0], tries[1]) || near(tries[n - 1], tries[n - 2])) return true;
-    for (std::size_t i = 1; i + 2 < n; ++i)
-      if (tries[i] < 0 && tries[i + 1] > 0)
-        return near(tries[i], tries[i - 1]) || near(tries[i + 1], tries[i + 2]);
-    return false;
+    if (setting.kind != ShapeSetting::Kind::scale) return false;
+    const std::size_t half = n / 2;  // as many of either sense
+    return near(tries[half - 1], tries[half - 2]) || near(tries[half], tries[half + 1]);
   }
 
   double penalty(const std::vector<Part>& parts, int& parameters) const {
@@ -377,6 +377,11 @@ class Regression {
     return chi2;
   }
 
+  static bool jumps(const FormulaFit& f) {
+    const auto& settings = f.terms[0].shape->settings;
+    return settings.size() == 1 && settings[0].kind == ShapeSetting::Kind::split;
+  }
+
   // Is `big` the formula `small` with more to it?
   bool contains(const FormulaFit& big, const FormulaFit& small) const {
     std::vector<bool> used(big.terms.size(), false);
@@ -388,6 +393,9 @@ class Regression {
       }
       if (!found) return false;
     }
+    // Of a jump the place is uncertain by some poses: that is no other formula.
+    if (big.terms.size() == 1 && small.terms.size() == 1 && same_shapes(big, small) && jumps(small))
+      return true;
     return distance2(big, small) <= 1.5 * std::max(0.0, small.chi2 - big.chi2) + 1;
   }
 

@@ -52,15 +52,37 @@ int part_of(const Accepted& e, const EffectPlace& place) {
   return part;
 }
 
+// The columns of the effect's own amounts, and their priors' rows.
+void take_out(Linearised& at, const Accepted& e) {
+  Baseline& base = at.baseline;
+  const std::string owner = e.suspect.plugin->declaration.tag + "_" + e.suspect.at;
+  std::vector<int> columns, rows, pose;
+  std::vector<bool> drop(static_cast<std::size_t>(base.rows.size()), false);
+  for (std::size_t c = 0; c < at.parameters.size(); ++c) {
+    const auto p = static_cast<std::size_t>(at.parameters[c]);
+    const auto column = static_cast<Index>(c);
+    if (p >= at.program->parameters.size() || at.program->parameters[p].element != owner) {
+      columns.push_back(static_cast<int>(c));
+      continue;
+    }
+    for (Index r = 0; r < base.rows.size(); ++r)
+      if (base.pose[static_cast<std::size_t>(r)] < 0 && base.columns(r, column) != 0)
+        drop[static_cast<std::size_t>(r)] = true;
+  }
+  for (std::size_t r = 0; r < drop.size(); ++r)
+    if (!drop[r]) rows.push_back(static_cast<int>(r)), pose.push_back(base.pose[r]);
+  base.rows = VectorXd(base.rows(rows));
+  base.columns = MatrixXd(base.columns(rows, columns));
+  base.pose = std::move(pose);
+}
+
 std::optional<Site> place_of(const Ground& ground, const Search& search, std::size_t i,
                              const UnitSystem& units) {
-  // Linear where the fit with the curve ended, the curve itself taken out.
+  // Linear where the fit with the curve ended; the curve is then taken out of the rows.
   const Accepted& e = search.best.effects.at(i);
-  Trial without = search.best;
-  without.effects.erase(without.effects.begin() + static_cast<std::ptrdiff_t>(i));
   StageOptions options;
   options.suspects.only = {e.suspect.plugin->declaration.tag};
-  Linearised at = linearised(ground, without, options);
+  Linearised at = linearised(ground, search.best, options);
   const Suspect* suspect = suspect_of(at, e);
   if (!suspect) return {};
   const EffectPlace& place = at.program->places[static_cast<std::size_t>(suspect->places[0])];
@@ -85,7 +107,15 @@ std::optional<Site> place_of(const Ground& ground, const Search& search, std::si
     c.curves.push_back(std::move(pieces));
     c.typical = way.typical.at(0);
   }
+  VectorXd curve = VectorXd::Zero(c.x.size());
+  for (std::size_t a = 0; a < e.way.amounts.size(); ++a)
+    curve +=
+        e.amounts[a] * values_at(at, act_of(*suspect, e.way, place,
+                                            e.way.amounts[a])[static_cast<std::size_t>(r.part)]);
   const VectorXd f = at.columns.col(place.first_field + r.part);
+  for (Index k = 0; k < f.size(); ++k)
+    at.baseline.rows[k] -= f[k] * curve[at.baseline.pose[static_cast<std::size_t>(k)]];
+  take_out(at, e);
   Candidates none;
   none.columns.resize(f.size(), 0);
   const Screen screen(std::move(at.baseline), std::move(none));
@@ -327,9 +357,12 @@ class Suggester {
         break;
       case Outcome::misfit:
         s_.statement = fmt::format(
-            "No formula wins: beside the best of those tried ({}) the free curve still finds "
-            "something (p = {:.2g}).",
-            best, c.beside_p);
+            "No formula wins: the best of those tried ({}) leaves what a free curve explains ({}).",
+            best,
+            c.beside_p < kFormulaBeside
+                ? fmt::format("p = {:.2g}", c.beside_p)
+                : fmt::format("chi-square {:.4g} instead of {:.4g}, all refitted", s_.fit.chi2,
+                              d_.search.best.chi2));
         break;
       case Outcome::curve:
         s_.statement = fmt::format(

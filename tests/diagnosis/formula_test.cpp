@@ -93,10 +93,11 @@ TEST_CASE("functions of the library are told from one another") {
       {"sinusoid", [=](double x) { return a * std::sin(6.4 * x + 1); }},
       {"square+sinusoid", [=](double x) { return 2 * a * x * x + a * std::sin(12.3 * x); }}};
   for (const Case& k : cases) {
-    CAPTURE(k.name);
+    CAPTURE(std::string(k.name));
     const FormulaChoice c = choose_formula(evidence(k.truth, 4e-5, 120, 3));
     CHECK(c.outcome == Outcome::wins);
     const std::string name = best(c);
+    CAPTURE(name);
     CHECK((name == k.name ||
            (std::string(k.name) == "square+sinusoid" && name == "sinusoid+square")));
   }
