@@ -1,13 +1,14 @@
 // What a diagnosis is followed by: what could have been seen (seen.h), what each finding corrects
-// (curve.h), and which poses to record next. These are chosen to tell the findings from their
-// rivals where the verdict is ambiguous, and otherwise to show the usual suspects that the
-// recordings at hand would not show.
+// (curve.h), a formula for what is unknown (suggestion.h), and which poses to record next. These
+// are chosen to tell the findings from their rivals where the verdict is ambiguous, and otherwise
+// to show the usual suspects that the recordings at hand would not show.
 #pragma once
 
 #include <cmath>
 
 #include "framework/diagnosis/curve.h"
 #include "framework/diagnosis/seen.h"
+#include "framework/diagnosis/suggestion.h"
 
 namespace talus {
 
@@ -45,7 +46,8 @@ struct NextRecordings {
 
 struct Advice {
   Seen seen;
-  std::vector<Curve> curves, hint_curves;  // of Diagnosis::findings, hints
+  std::vector<Curve> curves, hint_curves;           // of Diagnosis::findings, hints
+  std::vector<std::optional<Suggestion>> formulas;  // of Diagnosis::findings: those of curves
   NextRecordings next;
 };
 

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "framework/diagnosis/block_covariates.h"
 #include "framework/diagnosis/blunders.h"
 #include "framework/diagnosis/verdict.h"
 
@@ -190,20 +191,16 @@ class Diagnoser {
     d_.heldout = held_out(before, after, rows, options_.fit.seed);
   }
 
-  // By region of the readings that the findings are about, and by session.
+  // By region of what the findings depend on, and by session.
   std::vector<Block> blocks() const {
-    std::vector<std::string> columns;
+    std::vector<Accepted> effects;
+    for (const Finding& f : d_.findings) effects.push_back(f.accepted);
     const Program fields = compile_with_fields(
         model_, registry_,
         [this](const std::string& column) { return known_.find(column) != nullptr; });
-    for (const Finding& f : d_.findings)
-      for (const EffectPlace& place : fields.places)
-        if (place.acts == Acts::reading && !f.accepted.suspect.joint.empty() &&
-            place.joint == f.accepted.suspect.joint &&
-            std::find(columns.begin(), columns.end(), place.column) == columns.end())
-          columns.push_back(place.column);
-    return held_out_blocks({d_.program.get(), clean_.x}, {d_.program_after.get(), d_.after.x},
-                           known_, split_, columns, options_.fit);
+    return held_out_blocks(
+        {d_.program.get(), clean_.x}, {d_.program_after.get(), d_.after.x}, known_, split_,
+        block_covariates(effects, fields, known_, *d_.program_after, d_.after), options_.fit);
   }
 
   const Model& model_;

@@ -150,7 +150,8 @@ Linearised linearised(const Ground& ground, const Trial& trial, const StageOptio
   }
   base.noise_known = options.noise_known && problem.noise_known();
   return {std::move(compiled), std::move(base),  std::move(found), linear.columns,
-          std::move(slots),    residuals.latent, residuals.poses,  when};
+          std::move(slots),    residuals.latent, residuals.poses,  when,
+          std::move(geometry)};
 }
 
 Stage stage_of(const Ground& ground, const Trial& trial, const StageOptions& options) {

@@ -46,6 +46,31 @@ Json json_of(const Finding& f, const std::vector<Curve>& curves, std::size_t i) 
   return out;
 }
 
+Json json_of(const Suggestion& s, const std::string& file) {
+  Json out{{"suggested", s.wins},
+           {"statement", s.statement},
+           {"expression", s.expression.empty() ? Json(nullptr) : Json(s.expression)},
+           {"circumstance", s.circumstance}};
+  out["parameters"] = Json::array();
+  for (const ShownValue& v : s.values)
+    out["parameters"].push_back(
+        {{"name", v.name}, {"value", value(v.value)}, {"unit", v.unit}, {"std", value(v.std)}});
+  out["odds"] = value(s.choice.odds);
+  out["p_curve_beside"] = value(s.choice.beside_p);
+  if (!s.choice.ranked.empty()) {
+    out["chi2"] = value(s.choice.ranked[0].chi2);
+    out["bic"] = value(s.choice.ranked[0].bic);
+  }
+  out["curve_chi2"] = value(s.choice.curve_chi2);
+  out["curve_bic"] = value(s.choice.curve_bic);
+  out["heldout_rms"] = s.wins ? value(s.fit.heldout_rms) : Json(nullptr);
+  out["tried"] = Json::array();
+  for (std::size_t i = 0; i < s.by.size() && i < 10; ++i)
+    out["tried"].push_back({{"name", s.by[i].first}, {"odds", value(s.by[i].second)}});
+  out["model"] = file.empty() ? Json(nullptr) : Json(file);
+  return out;
+}
+
 Json json_of(const SeenSuspect& s) {
   return Json{{"effect", s.effect},
               {"location", s.location},
@@ -124,8 +149,12 @@ std::string diagnosis_json(const Diagnosis& d, const Advice& advice, const Repor
            {"verdict", to_string(d.verdict)},
            {"statement", sentence_of(d)}};
   out["findings"] = Json::array();
-  for (std::size_t i = 0; i < d.findings.size(); ++i)
+  for (std::size_t i = 0; i < d.findings.size(); ++i) {
     out["findings"].push_back(json_of(d.findings[i], advice.curves, i));
+    if (i < advice.formulas.size() && advice.formulas[i])
+      out["findings"].back()["formula"] = json_of(
+          *advice.formulas[i], i < files.formula_models.size() ? files.formula_models[i] : "");
+  }
   out["hints"] = Json::array();
   for (std::size_t i = 0; i < d.hints.size(); ++i)
     out["hints"].push_back(json_of(d.hints[i], advice.hint_curves, i));
