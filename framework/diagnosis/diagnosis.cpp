@@ -11,6 +11,8 @@
 namespace talus {
 namespace {
 
+constexpr double kImpossible = 1e-6;  // chance of a misfit
+
 Eigen::VectorXd squares(const Problem::Residuals& r) {
   return r.whitened.size() > 0 ? Eigen::VectorXd(r.whitened.rowwise().squaredNorm())
                                : Eigen::VectorXd(0);
@@ -40,7 +42,7 @@ class Diagnoser {
     if (!d_.search.best.effects.empty()) {
       reexamine();
       seek(options_.search.most_effects);
-      if (reexamine()) seek(options_.search.most_effects);
+      if (reexamine() || by_loads()) seek(options_.search.most_effects);
     }
     claims();
     progress("judging", 0.9);
@@ -99,13 +101,39 @@ class Diagnoser {
   }
 
   void seek(int most_effects) {
-    known_ = with_circumstances(model_, registry_, *d_.program, recordings_, clean_.x);
+    known_ = with_circumstances(model_, registry_, *d_.program, recordings_, geometry());
     ground_ = {&model_, &registry_, &known_, split_.fit, options_.fit.threads, {}};
     ground_.scale = scale_of_rows(ground_, clean_);
     SearchOptions search_options = options_.search;
     search_options.progress = options_.progress;
     search_options.most_effects = most_effects;
     d_.search = search(ground_, trial_of(ground_, clean_), search_options);
+  }
+
+  bool by_loads() const {
+    return std::any_of(d_.search.best.effects.begin(), d_.search.best.effects.end(),
+                       [](const Accepted& e) {
+                         const auto& needs = e.suspect.plugin->declaration.effect.needs;
+                         return std::any_of(needs.begin(), needs.end(), [](Covariate c) {
+                           return c == Covariate::load || c == Covariate::tip_load;
+                         });
+                       });
+  }
+
+  // At which loads are worked out: as fitted beside what was found; before anything was found, as
+  // the model has it where the fit is impossible, since what is missing has bent it then.
+  std::vector<double> geometry() const {
+    std::vector<double> x;
+    const bool bent = clean_.noise_known && clean_.chi2_p < kImpossible;
+    for (std::size_t i = 0; i < d_.program->parameters.size(); ++i) {
+      const Parameter& p = d_.program->parameters[i];
+      const auto found = d_.search.best.values.find(p.name);
+      x.push_back(!d_.search.best.effects.empty() && found != d_.search.best.values.end()
+                      ? found->second
+                  : bent ? p.nominal.value
+                         : clean_.x[i]);
+    }
+    return x;
   }
 
   // With the physics found, are these still the blunders? True where others are.

@@ -383,10 +383,10 @@ Search search(const Ground& ground, const Trial& null, const SearchOptions& opti
   Search exact = Searcher(ground, options, true).run(null);
   if (options.most_effects == 1 || exact.best.effects.empty() || exact.left < kCoarse) return exact;
   Search coarse = Searcher(ground, options, false).run(null);
+  if (coarse.best.effects.empty()) return exact;  // its place is right more often than its form
   const CarryOver carry_over(ground);
-  const bool worse =
-      carry_over.predicted(coarse.best).sum() > carry_over.predicted(exact.best).sum();
-  return worse ? exact : coarse;
+  const double exact_misses = carry_over.predicted(exact.best).sum();
+  return exact_misses < carry_over.predicted(coarse.best).sum() ? exact : coarse;
 }
 
 }  // namespace talus

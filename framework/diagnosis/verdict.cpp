@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+
+#include "framework/diagnosis/tails.h"
 
 namespace talus {
 namespace {
@@ -12,7 +15,18 @@ constexpr double kSure = 0.8;  // a name is claimed from this probability on
 constexpr double kImpossible = 1e-6, kPlain = 1.5;
 // Where the whole does not hold to the noise, less than this share of it is what a formula leaves.
 constexpr double kPile = 0.15;
-constexpr double kClean = 1e-3;  // chance of a misfit that leaves nothing to explain
+constexpr double kFurther = 0.01;  // chance of rows held out as far off
+constexpr double kClean = 1e-3;    // chance of a misfit that leaves nothing to explain
+
+// A fit that the noise makes impossible, and rows held out that lie further off yet than those
+// fitted: the form is not right.
+bool short_of(const Diagnosis& d) {
+  const Fit& fit = d.after;
+  const double rows = static_cast<double>(fit.residuals_check.whitened.size());
+  if (!fit.noise_known || fit.chi2_p > kImpossible || !(rows > 0)) return false;
+  const double ratio = std::pow(fit.heldout_rms / fit.noise_scale, 2);
+  return log_f_tail(ratio, rows, fit.dof) < std::log(kFurther);
+}
 
 }  // namespace
 
@@ -48,7 +62,7 @@ void conclude(Diagnosis& d) {
   // thing there and nothing is left to explain.
   const bool clean = (!d.after.noise_known || d.after.chi2_p > kClean) && d.noise.unwhite.empty();
   const double gain = d.search.null.cost2 - d.search.best.cost2;
-  bool unknown = false, sure = true;
+  bool unknown = false, sure = !short_of(d);
   std::vector<std::string> found;
   for (Finding& f : d.findings) {
     unknown |= f.effect == "unknown";
