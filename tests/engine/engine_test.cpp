@@ -44,6 +44,7 @@ TEST_CASE("recordings of a physics engine are diagnosed by what the engine built
     CHECK(d["heldout"]["after"] < 1.15);
   }
   check_named("arm", "elastic:3:0.001", "joint_compliance", "joint3");
+  check_named("arm", "bending:2:0.0001:2", "link_bending", "link2");
   check_named("arm", "play_load:2:0.02", "backlash", "joint2");
   check_named("isl", "eccentric:3:0.01:60", "encoder_eccentricity", "encoder3");
   check_named("isl", "bending:3:0.1", "link_bending", "link3");

@@ -61,12 +61,18 @@ class Writer {
          << "\" stiffness=\"" << stiffness << "\" " << more << "/>\n";
   }
 
+  // Compliance in deg/(N m). Damped so that what an arm's inertia (some kg m^2) swings soon rests.
+  void spring(const std::string& name, const Eigen::Vector3d& axis, double compliance) {
+    const double stiffness = 1 / (compliance * deg);
+    hinge(name, axis, stiffness, "damping=\"" + std::to_string(2 * std::sqrt(3 * stiffness)) + '"');
+  }
+
   void joint(int i) {
     const std::string n = std::to_string(i);
     open("stator" + n);
     if (const Flaw* f = l_.flaw(Kind::tilting, i)) {
-      hinge("tilt_x" + n, {1, 0, 0}, 1 / (f->size * deg), "damping=\"1\"");
-      hinge("tilt_y" + n, {0, 1, 0}, 1 / (f->size * deg), "damping=\"1\"");
+      spring("tilt_x" + n, {1, 0, 0}, f->size);
+      spring("tilt_y" + n, {0, 1, 0}, f->size);
     }
     if (const Flaw* f = l_.flaw(Kind::clearance, i)) {
       out_ << "<site name=\"hole" << n << "\"/>\n";
@@ -94,8 +100,7 @@ class Writer {
       --depth_;
     }
     open("rotor" + n);
-    if (const Flaw* f = l_.flaw(Kind::elastic, i))
-      hinge("spring" + n, {0, 0, 1}, 1 / (f->size * deg), "damping=\"20\"");
+    if (const Flaw* f = l_.flaw(Kind::elastic, i)) spring("spring" + n, {0, 0, 1}, f->size);
     const std::string stiff = "solreflimit=\"0.002 1\" solimplimit=\"0.9999 0.9999 0.001\" ";
     if (const Flaw* f = l_.flaw(Kind::play_load, i)) {
       std::ostringstream range;
