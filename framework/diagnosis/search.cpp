@@ -64,6 +64,7 @@ class Searcher {
       const double left =
           tried.empty() ? 1 : std::max(1.0, tried[0].cost2 / std::max(1.0, stage->dof));
       const double least = gate.open ? kLeastEvidence : kCertain;
+      if (stage->studentised) without_leftovers(tried);
       names_first(tried, result_.best, least * left);
       while (!tried.empty() && tried[0].evidence / left >= least &&
              !carries_over(*stage, trials_[0], result_.best))
@@ -78,6 +79,25 @@ class Searcher {
       if (options_.most_members > 1) complete(gate);
       if (!seen_.insert(signature()).second) break;  // it turns in a circle
       progress("searching", std::min(1.0, (round + 1.0) / options_.most_effects));
+    }
+  }
+
+  // At the joint of a named effect, what explains much less than it does makes up for its formula,
+  // which need not be quite right where the noise does not explain the rest.
+  void without_leftovers(std::vector<Alternative>& tried) {
+    const double little = kLeftover * (result_.null.cost2 - result_.best.cost2);
+    for (std::size_t i = tried.size(); i-- > 0;) {
+      const Suspect& s = tried[i].effect.suspect;
+      const bool beside =
+          !s.joint.empty() && std::any_of(result_.best.effects.begin(), result_.best.effects.end(),
+                                          [&](const Accepted& e) {
+                                            return e.suspect.effect != "unknown" &&
+                                                   e.suspect.plugin != s.plugin &&
+                                                   e.suspect.joint == s.joint;
+                                          });
+      if (!beside || result_.best.cost2 - tried[i].cost2 >= little) continue;
+      tried.erase(tried.begin() + static_cast<long>(i));
+      trials_.erase(trials_.begin() + static_cast<long>(i));
     }
   }
 
@@ -148,6 +168,12 @@ class Searcher {
   StageOptions stage_options() const { return {options_.suspects}; }
 
   int members() const { return static_cast<int>(result_.best.effects.size()); }
+
+  // The same of a rival: it must not predict worse.
+  bool predicts(const Stage& stage, const Trial& rival, const Trial& member) const {
+    return !stage.studentised ||
+           !(carry_over_.predicted(rival).sum() > carry_over_.predicted(member).sum());
+  }
 
   // Effects at work, each counted once wherever it acts; every curve of no known cause by itself.
   static std::size_t causes(const Trial& trial) {
@@ -297,7 +323,7 @@ class Searcher {
       for (const Alternative& a : tried)
         if (same_place(a.effect, result_.best.effects[i].suspect)) own = std::max(own, a.evidence);
       names_first(tried, rest, kLeastEvidence);
-      if (tried[0].evidence > own + kSwap && carries_over(stage, trials_[0], result_.best)) {
+      if (tried[0].evidence > own + kSwap && predicts(stage, trials_[0], result_.best)) {
         result_.best = std::move(trials_[0]);
         std::rotate(result_.best.effects.begin() + static_cast<long>(i),
                     result_.best.effects.end() - 1, result_.best.effects.end());
