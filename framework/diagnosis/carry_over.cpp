@@ -8,7 +8,7 @@
 namespace talus {
 namespace {
 
-constexpr int kFolds = 5, kRuns = 5;  // runs of neighbours in each fold
+constexpr int kFolds = 5, kRuns = 2;  // runs of neighbours in each fold
 constexpr double kAlpha = 0.01;
 
 }  // namespace

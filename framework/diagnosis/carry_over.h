@@ -2,8 +2,8 @@
 // stated noise makes the fit impossible: what is left there is not noise, neighbours misfit alike,
 // and odds worked out as if rows were independent promise too much to whatever is flexible.
 //
-// Five folds of short runs of neighbours in the order of recording; each is predicted by fits to
-// the others.
+// Five folds, each of two runs of neighbours in the order of recording; each is predicted by fits
+// to the others.
 #pragma once
 
 #include "framework/diagnosis/hypothesis.h"

@@ -193,9 +193,9 @@ class Chooser {
 
 }  // namespace
 
-void Tried::drop_first() {
-  alternatives.erase(alternatives.begin());
-  trials.erase(trials.begin());
+void Tried::drop(std::size_t i) {
+  alternatives.erase(alternatives.begin() + static_cast<std::ptrdiff_t>(i));
+  trials.erase(trials.begin() + static_cast<std::ptrdiff_t>(i));
 }
 
 void Tried::put_first(std::size_t i) {

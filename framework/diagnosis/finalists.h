@@ -26,7 +26,7 @@ struct Tried {
 
   bool empty() const { return alternatives.empty(); }
   const Alternative& best() const { return alternatives.front(); }
-  void drop_first();
+  void drop(std::size_t i);
   void put_first(std::size_t i);
 };
 

@@ -65,9 +65,10 @@ class Searcher {
       const double least = gate.open ? kLeastEvidence : kCertain;
       if (!convincing(tried, least) && stage->studentised) tried = everything();
       if (!exact_) {
+        if (stage->studentised) without_leftovers(tried);
         names_first(tried, result_.best, least);
         while (convincing(tried, least) && !carries_over(*stage, tried.trials[0], result_.best))
-          tried.drop_first();
+          tried.drop(0);
       }
       if (!convincing(tried, least)) break;
       // Without the gate the odds against nothing, over all that was tried, bound the chance.
@@ -80,6 +81,20 @@ class Searcher {
       ++rounds_;
       if (!seen_.insert(signature()).second) break;  // it turns in a circle
       progress("searching", std::min(1.0, (round + 1.0) / options_.most_effects));
+    }
+  }
+
+  // At the joint of a named effect, what explains much less than it does makes up for its formula,
+  // which need not be quite right where the noise does not explain the rest.
+  void without_leftovers(Tried& tried) const {
+    const std::vector<Accepted>& effects = result_.best.effects;
+    for (std::size_t i = tried.alternatives.size(); i-- > 0;) {
+      const Suspect& s = tried.alternatives[i].effect.suspect;
+      const bool beside =
+          !s.joint.empty() && std::any_of(effects.begin(), effects.end(), [&](const Accepted& e) {
+            return !unknown(e) && e.suspect.plugin != s.plugin && e.suspect.joint == s.joint;
+          });
+      if (beside && result_.best.cost2 - tried.alternatives[i].cost2 < little()) tried.drop(i);
     }
   }
 
@@ -109,7 +124,8 @@ class Searcher {
   }
 
   Tried finalists_at(const Stage& stage, const Trial& base, bool everything = false) const {
-    return finalists(ground_, stage, base, {options_.finalists, options_.most_effects, everything});
+    const int causes = exact_ ? options_.most_effects : options_.most_causes;
+    return finalists(ground_, stage, base, {options_.finalists, causes, everything, !exact_});
   }
 
   // What is missing may have bent the geometry so far that nothing is seen from there: screening
@@ -196,6 +212,12 @@ class Searcher {
 
   int members() const { return static_cast<int>(result_.best.effects.size()); }
 
+  // Of a rival in a member's place: it must not predict worse.
+  bool predicts(const Stage& stage, const Trial& rival, const Trial& member) const {
+    return exact_ || !stage.studentised ||
+           !(carry_over_->predicted(rival).sum() > carry_over_->predicted(member).sum());
+  }
+
   // Where the noise makes the fit impossible, does the longer hypothesis predict rows better?
   bool carries_over(const Stage& stage, const Trial& longer, const Trial& shorter) const {
     if (exact_ || !stage.studentised) return true;
@@ -233,8 +255,7 @@ class Searcher {
       for (const Alternative& a : tried.alternatives)
         if (same_place(a.effect, result_.best.effects[i].suspect)) own = std::max(own, a.evidence);
       if (!exact_) names_first(tried, rest, kLeastEvidence);
-      if (tried.best().evidence > own + kSwap &&
-          carries_over(stage, tried.trials[0], result_.best)) {
+      if (tried.best().evidence > own + kSwap && predicts(stage, tried.trials[0], result_.best)) {
         result_.best = std::move(tried.trials[0]);
         std::rotate(result_.best.effects.begin() + static_cast<long>(i),
                     result_.best.effects.end() - 1, result_.best.effects.end());

@@ -314,6 +314,12 @@ Rigid<Expr> Compiler::mapped(const Feature& f, const Matrix3<Expr>& R, const Vec
       const Vector3<Expr> axis = map(e);
       turned[i][2] = f.observed.angles ? dot(z, axis) / (size * norm(axis)) : z[i] / size;
     }
+    // Errors of a direction are told along the axes across it, which turn with it.
+    for (int c = 0; c < 2 && !f.observed.angles; ++c) {
+      const Vector3<Expr> across = column(R, c), along = column(turned, 2);
+      const Expr share = dot(across, along);
+      for (int i = 0; i < 3; ++i) turned[i][c] = across[i] - share * along[i];
+    }
   }
   return Rigid<Expr>(turned, map(p));
 }
