@@ -206,7 +206,13 @@ class Diagnoser {
       f.heldout_before = clean_.heldout_rms;
       f.heldout_after = d_.after.heldout_rms;
     }
-    d_.noise = judge_noise(*d_.program_after, known_, split_.fit, d_.after.x, fault_options());
+    // What is too small to be claimed is not noise either.
+    const Trial& best = d_.search.best;
+    const bool hinted = !claimed_ && !d_.hints.empty() &&
+                        std::none_of(d_.faults.begin(), d_.faults.end(),
+                                     [](const Fault& f) { return f.kind == "correlated-noise"; });
+    d_.noise = judge_noise(hinted ? *best.program : *d_.program_after, known_, split_.fit,
+                           hinted ? best.x : d_.after.x, fault_options());
     note(d_.noise.faults);
   }
 

@@ -175,7 +175,6 @@ std::vector<Expr> Compiler::corrections(EffectPlace place, const std::vector<std
     }
     placed_[e] = true;
     EffectPlace here = place;
-    const std::size_t before = program_.readings.size();
     for (Covariate c : d.effect.needs) know(c, here, where);
     if (d.effect.driven != Driven::no) here.around.driver = driver(*e);
     std::vector<Expr> values;
@@ -193,16 +192,6 @@ std::vector<Expr> Compiler::corrections(EffectPlace place, const std::vector<std
     }
     const std::vector<Expr> more = plugin.act(here.around, values, choices(*e, d));
     for (int k = 0; k < parts; ++k) sum[k] += more[k];
-    // Circumstances that its amounts do without (a drift with the time alone: the temperature).
-    const auto unused = [&](const Reading& r) {
-      return r.covariate && std::none_of(more.begin(), more.end(), [&](const Expr& e) {
-               const std::vector<int> on = support(e);
-               return std::binary_search(on.begin(), on.end(), r.slot);
-             });
-    };
-    auto& readings = program_.readings;
-    const auto added = readings.begin() + static_cast<std::ptrdiff_t>(before);
-    readings.erase(std::remove_if(added, readings.end(), unused), readings.end());
   }
   if (recorded_) {
     for (Covariate c : {Covariate::approach, Covariate::time, Covariate::session, Covariate::pose,

@@ -43,7 +43,7 @@ std::vector<std::string> names(const Recordings& r) {
 
 const char* kAll = R"(
   <backlash at="encoder2" half_width="0 ± 0.1"/>
-  <thermal_drift at="encoder1" rate="0 ± 1"/>
+  <thermal_drift at="encoder1" rate="0 ± 1" per_degree="0 ± 1"/>
   <joint_compliance at="joint2" compliance="0 ± 0.1"/>
   <encoder_zero_slip at="encoder1" step="0 ± 1" pose="3"/>
   <time_lag lag="0 ± 0.01"/>)";

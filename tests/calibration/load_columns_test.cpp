@@ -30,7 +30,7 @@ TEST_CASE("columns of loads, at the parameters given, with the payload of each r
   const Program program = program_from(xml);
   const Recordings before = table("q1[deg],q2[deg],load[g]\n0,0,500\n0,90,1000\n0,,500\n0,0,\n");
   const Recordings after = with_loads(program, before, std::vector<double>{250.0});
-  CHECK(after.columns.size() == before.columns.size() + 2 * 18);
+  CHECK(after.columns.size() == before.columns.size() + 2 * 21);
   const auto& upper = after.get("load:upper.mz", torque).values;
   const auto& fore = after.get("load:fore.mz", torque).values;
   // N mm: 10 m/s^2 times (2 kg at 150 mm, payload at 550 or 300 mm); in kg mm^2/s^2 1000 times.
