@@ -5,6 +5,7 @@
 #include <set>
 
 #include "framework/kinematics/compiler.h"
+#include "framework/kinematics/covariates.h"
 #include "framework/kinematics/effect_motion.h"
 
 namespace talus {
@@ -191,6 +192,8 @@ std::vector<Expr> Compiler::corrections(EffectPlace place, const std::vector<std
       values.push_back(input(*e, i).value);
     }
     const std::vector<Expr> more = plugin.act(here.around, values, choices(*e, d));
+    if (std::all_of(more.begin(), more.end(), [](const Expr& u) { return u.is_constant(); }))
+      null_effect_ = true;
     for (int k = 0; k < parts; ++k) sum[k] += more[k];
   }
   if (recorded_) {
@@ -331,8 +334,8 @@ void Compiler::check_effects() const {
   }
 }
 
-// An effect that could follow several circumstances needs only those of its amounts that are not
-// zero.
+// An effect that could follow several circumstances needs only those of the amounts that it has:
+// play by the sense of approach needs no loads.
 void Compiler::forget_unused_covariates() {
   std::set<int> used;
   for (const auto& slots : row_support(program_)) used.insert(slots.begin(), slots.end());
@@ -347,8 +350,10 @@ void Compiler::forget_unused_covariates() {
         for (int j = 0; j < 3; ++j) use(m.rotation[i][j]);
       }
     }
-  std::erase_if(program_.readings,
-                [&](const Reading& r) { return r.covariate && !used.contains(r.slot); });
+  if (null_effect_) return;  // which amounts it is to have is not known
+  std::erase_if(program_.readings, [&](const Reading& r) {
+    return r.covariate && is_derived(r.column) && !used.contains(r.slot);
+  });
 }
 
 }  // namespace talus

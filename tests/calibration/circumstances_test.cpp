@@ -131,6 +131,32 @@ TEST_CASE("what an effect needs and nobody knows is said") {
   CHECK(complaint(arm_with("<joint_compliance at='joint2'/>")).empty());
 }
 
+TEST_CASE("an effect needs what its own amounts depend on") {
+  const Program program = compiled(arm_with("<backlash at='encoder2' half_width='0 ± 0.1'/>", ""));
+  const Recordings table =
+      parse_recordings("approach_joint2,theta1[deg],theta2[deg]\n1,2,3\n", "poses.csv");
+  CHECK_NOTHROW(with_derived(program, table));
+  CHECK_FALSE(depends_on_loads(program));
+  CHECK(
+      depends_on_loads(compiled(arm_with("<backlash at='encoder2' half_width_load='0 ± 0.1'/>"))));
+}
+
+TEST_CASE("what a table of poses says of its circumstances is kept, needed or not") {
+  Program program = compiled(arm_with(""));
+  const Recordings table = parse_recordings(
+      "approach_joint1,payload[kg],gravity.x,gravity.y,gravity.z,theta1[deg],theta2[deg],other\n"
+      "-1,0.5,0,1,0,10,20,7\n1,1.5,,,,11,22,8\n",
+      "poses.csv");
+  const Recordings r = simulate(
+      program, with_circumstances(program, settings_from(program, table, 1), &table), {.noise = 0});
+  for (const char* name : {"approach_joint1", "payload", "gravity.y"}) {
+    REQUIRE(r.find(name));
+    CHECK(r.find(name)->values[0] == table.find(name)->values[0]);
+  }
+  CHECK(std::isnan(r.find("gravity.y")->values[1]));
+  CHECK_FALSE(r.find("other"));
+}
+
 TEST_CASE("simulated with effects, calibrated with effects") {
   const Folder folder;
   const std::string effects = R"xml(
