@@ -4,11 +4,14 @@
 #include <chrono>
 #include <cmath>
 
+#include "framework/diagnosis/block_covariates.h"
 #include "framework/diagnosis/blunders.h"
 #include "framework/diagnosis/verdict.h"
 
 namespace talus {
 namespace {
+
+constexpr double kImpossible = 1e-6;  // chance of a misfit
 
 Eigen::VectorXd squares(const Problem::Residuals& r) {
   return r.whitened.size() > 0 ? Eigen::VectorXd(r.whitened.rowwise().squaredNorm())
@@ -39,7 +42,7 @@ class Diagnoser {
     if (!d_.search.best.effects.empty()) {
       reexamine();
       seek(options_.search.most_effects);
-      if (reexamine()) seek(options_.search.most_effects);
+      if (reexamine() || by_loads()) seek(options_.search.most_effects);
     }
     claims();
     progress("judging", 0.9);
@@ -98,13 +101,39 @@ class Diagnoser {
   }
 
   void seek(int most_effects) {
-    known_ = with_circumstances(model_, registry_, *d_.program, recordings_, clean_.x);
+    known_ = with_circumstances(model_, registry_, *d_.program, recordings_, geometry());
     ground_ = {&model_, &registry_, &known_, split_.fit, options_.fit.threads, {}};
     ground_.scale = scale_of_rows(ground_, clean_);
     SearchOptions search_options = options_.search;
     search_options.progress = options_.progress;
     search_options.most_effects = most_effects;
     d_.search = search(ground_, trial_of(ground_, clean_), search_options);
+  }
+
+  bool by_loads() const {
+    return std::any_of(d_.search.best.effects.begin(), d_.search.best.effects.end(),
+                       [](const Accepted& e) {
+                         const auto& needs = e.suspect.plugin->declaration.effect.needs;
+                         return std::any_of(needs.begin(), needs.end(), [](Covariate c) {
+                           return c == Covariate::load || c == Covariate::tip_load;
+                         });
+                       });
+  }
+
+  // At which loads are worked out: as fitted beside what was found; before anything was found, as
+  // the model has it where the fit is impossible, since what is missing has bent it then.
+  std::vector<double> geometry() const {
+    std::vector<double> x;
+    const bool bent = clean_.noise_known && clean_.chi2_p < kImpossible;
+    for (std::size_t i = 0; i < d_.program->parameters.size(); ++i) {
+      const Parameter& p = d_.program->parameters[i];
+      const auto found = d_.search.best.values.find(p.name);
+      x.push_back(!d_.search.best.effects.empty() && found != d_.search.best.values.end()
+                      ? found->second
+                  : bent ? p.nominal.value
+                         : clean_.x[i]);
+    }
+    return x;
   }
 
   // With the physics found, are these still the blunders? True where others are.
@@ -177,7 +206,13 @@ class Diagnoser {
       f.heldout_before = clean_.heldout_rms;
       f.heldout_after = d_.after.heldout_rms;
     }
-    d_.noise = judge_noise(*d_.program_after, known_, split_.fit, d_.after.x, fault_options());
+    // What is too small to be claimed is not noise either.
+    const Trial& best = d_.search.best;
+    const bool hinted = !claimed_ && !d_.hints.empty() &&
+                        std::none_of(d_.faults.begin(), d_.faults.end(),
+                                     [](const Fault& f) { return f.kind == "correlated-noise"; });
+    d_.noise = judge_noise(hinted ? *best.program : *d_.program_after, known_, split_.fit,
+                           hinted ? best.x : d_.after.x, fault_options());
     note(d_.noise.faults);
   }
 
@@ -190,20 +225,16 @@ class Diagnoser {
     d_.heldout = held_out(before, after, rows, options_.fit.seed);
   }
 
-  // By region of the readings that the findings are about, and by session.
+  // By region of what the findings depend on, and by session.
   std::vector<Block> blocks() const {
-    std::vector<std::string> columns;
+    std::vector<Accepted> effects;
+    for (const Finding& f : d_.findings) effects.push_back(f.accepted);
     const Program fields = compile_with_fields(
         model_, registry_,
         [this](const std::string& column) { return known_.find(column) != nullptr; });
-    for (const Finding& f : d_.findings)
-      for (const EffectPlace& place : fields.places)
-        if (place.acts == Acts::reading && !f.accepted.suspect.joint.empty() &&
-            place.joint == f.accepted.suspect.joint &&
-            std::find(columns.begin(), columns.end(), place.column) == columns.end())
-          columns.push_back(place.column);
-    return held_out_blocks({d_.program.get(), clean_.x}, {d_.program_after.get(), d_.after.x},
-                           known_, split_, columns, options_.fit);
+    return held_out_blocks(
+        {d_.program.get(), clean_.x}, {d_.program_after.get(), d_.after.x}, known_, split_,
+        block_covariates(effects, fields, known_, *d_.program_after, d_.after), options_.fit);
   }
 
   const Model& model_;

@@ -11,8 +11,7 @@
 namespace talus {
 namespace {
 
-// Amounts may be so many typical ones; a curve without a cause must not swing freely.
-constexpr double kLoose = 100, kLooseCurve = 10;
+constexpr double kLoose = 100;  // amounts may be so many typical ones
 
 // Values at the entries of x: by name where known.
 std::vector<double> start_of(const Problem& problem, const std::map<std::string, double>& values) {
@@ -153,8 +152,8 @@ Model extended(const Model& model, const std::vector<Accepted>& effects, const U
   for (const Accepted& e : effects) {
     std::vector<AmountValue> amounts;
     for (std::size_t a = 0; a < e.amounts.size(); ++a)
-      amounts.push_back({e.amounts[a], (e.suspect.effect == "unknown" ? kLooseCurve : kLoose) *
-                                           e.way.typical[a]});
+      amounts.push_back(
+          {e.amounts[a], (e.suspect.effect == "unknown" ? e.scale : kLoose) * e.way.typical[a]});
     result.root.children.push_back(element_of(e.suspect, e.way, amounts, system));
   }
   return result;

@@ -63,6 +63,7 @@ struct Score {
   double log_p = 0;      // of the gain by chance, at this change point
   double log_bayes = 0;  // of a form with onset: averaged over its change points
   double visible = 0;    // |X~ D| / |X D|: what the geometry does not absorb
+  double scale = 1;      // of the typical amounts: the one that the rows speak for most
   Eigen::VectorXd estimate, std;  // of the amounts, least squares in what can be seen
 };
 

@@ -150,7 +150,8 @@ Linearised linearised(const Ground& ground, const Trial& trial, const StageOptio
   }
   base.noise_known = options.noise_known && problem.noise_known();
   return {std::move(compiled), std::move(base),  std::move(found), linear.columns,
-          std::move(slots),    residuals.latent, residuals.poses,  when};
+          std::move(slots),    residuals.latent, residuals.poses,  when,
+          std::move(geometry)};
 }
 
 Stage stage_of(const Ground& ground, const Trial& trial, const StageOptions& options) {
@@ -186,7 +187,7 @@ Accepted Stage::accepted(const Ground& ground, const Score& score) const {
   for (std::size_t a = 0; a < result.way.amounts.size(); ++a) {
     const auto i = static_cast<Eigen::Index>(a);
     const double estimate = score.estimate.size() > i ? score.estimate[i] : 0;
-    const double most = 10 * result.way.typical[a];
+    const double most = result.scale * result.way.typical[a];
     result.amounts.push_back(std::clamp(estimate, -most, most));
     result.std.push_back(score.std.size() > i ? score.std[i] : 0);
   }

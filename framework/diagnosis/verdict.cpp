@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+
+#include "framework/diagnosis/tails.h"
 
 namespace talus {
 namespace {
@@ -10,7 +13,20 @@ namespace {
 constexpr double kSure = 0.8;  // a name is claimed from this probability on
 // A misfit that cannot be chance nor a small error of the stated noise.
 constexpr double kImpossible = 1e-6, kPlain = 1.5;
-constexpr double kClean = 1e-3;  // chance of a misfit that leaves nothing to explain
+// Where the whole does not hold to the noise, less than this share of it is what a formula leaves.
+constexpr double kPile = 0.15;
+constexpr double kFurther = 0.01;  // chance of rows held out as far off
+constexpr double kClean = 1e-3;    // chance of a misfit that leaves nothing to explain
+
+// A fit that the noise makes impossible, and rows held out that lie further off yet than those
+// fitted: the form is not right.
+bool short_of(const Diagnosis& d) {
+  const Fit& fit = d.after;
+  const double rows = static_cast<double>(fit.residuals_check.whitened.size());
+  if (!fit.noise_known || fit.chi2_p > kImpossible || !(rows > 0)) return false;
+  const double ratio = std::pow(fit.heldout_rms / fit.noise_scale, 2);
+  return log_f_tail(ratio, rows, fit.dof) < std::log(kFurther);
+}
 
 }  // namespace
 
@@ -45,14 +61,16 @@ void conclude(Diagnosis& d) {
   // Names that stack up in one place are the shape of something third, unless each does another
   // thing there and nothing is left to explain.
   const bool clean = (!d.after.noise_known || d.after.chi2_p > kClean) && d.noise.unwhite.empty();
-  bool unknown = false, sure = true;
+  const double gain = d.search.null.cost2 - d.search.best.cost2;
+  bool unknown = false, sure = !short_of(d);
   std::vector<std::string> found;
   for (Finding& f : d.findings) {
     unknown |= f.effect == "unknown";
     sure &= f.probability >= kSure;
     for (const Finding& other : d.findings)
       unknown |= &f != &other && one_place(f.accepted, other.accepted) &&
-                 (!clean || one_kind(f.accepted, other.accepted));
+                 (!clean || one_kind(f.accepted, other.accepted)) &&
+                 (!misfit || std::min(f.delta_chi2, other.delta_chi2) >= kPile * gain);
     f.statement = fmt::format("{} at {} (probability {:.2f})", f.effect, f.location, f.probability);
     found.push_back(f.statement);
   }

@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "framework/kinematics/compiler.h"
+#include "framework/kinematics/covariates.h"
 #include "framework/kinematics/effect_motion.h"
 
 namespace talus {
@@ -164,11 +166,14 @@ std::vector<Expr> Compiler::corrections(EffectPlace place, const std::vector<std
     if (std::find(names.begin(), names.end(), at) == names.end()) continue;
     const Place where = e->find("at") ? e->find("at")->place : e->place;
     const auto& on = d.effect.on;
-    if (!on.empty() && std::find(on.begin(), on.end(), place.dimension) == on.end())
+    if (!on.empty() && std::find(on.begin(), on.end(), place.dimension) == on.end()) {
+      // All that is measured has one name; of it this acts on what it can.
+      if (place.acts == Acts::measured && at == names.back()) continue;
       throw InputError(where,
                        fmt::format("<{}> does not act on '{}', which is {}", e->tag, at,
                                    describe(place.dimension)),
                        describe(on[0]));
+    }
     placed_[e] = true;
     EffectPlace here = place;
     for (Covariate c : d.effect.needs) know(c, here, where);
@@ -187,6 +192,8 @@ std::vector<Expr> Compiler::corrections(EffectPlace place, const std::vector<std
       values.push_back(input(*e, i).value);
     }
     const std::vector<Expr> more = plugin.act(here.around, values, choices(*e, d));
+    if (std::all_of(more.begin(), more.end(), [](const Expr& u) { return u.is_constant(); }))
+      null_effect_ = true;
     for (int k = 0; k < parts; ++k) sum[k] += more[k];
   }
   if (recorded_) {
@@ -265,11 +272,14 @@ Rigid<Expr> Compiler::joint_with_effects(const Element& joint, const Plugin& plu
 // angles are measured, and the mapped vectors themselves where components are.
 Rigid<Expr> Compiler::as_measured(int feature, const Matrix3<Expr>& R, const Vector3<Expr>& p) {
   const Feature& f = program_.features[feature];
+  if (f.kind == Kind::nothing) return Rigid<Expr>(R, p);  // a closure: nothing is measured
   auto known = deformations_.find(feature);
   if (known == deformations_.end()) {
     EffectPlace place{Acts::measured, "measurement"};
     place.feature = feature;
-    place.around.position = p;
+    const bool direction = f.kind == Kind::direction;
+    place.dimension = direction ? number : length;
+    place.around.position = direction ? column(R, 2) : p;
     known = deformations_.emplace(feature, corrections(place, {f.name, "measurement"})).first;
   }
   return mapped(f, R, p, known->second);
@@ -296,6 +306,12 @@ Rigid<Expr> Compiler::mapped(const Feature& f, const Matrix3<Expr>& R, const Vec
       const Vector3<Expr> axis = map(e);
       turned[i][2] = f.observed.angles ? dot(z, axis) / (size * norm(axis)) : z[i] / size;
     }
+    // Errors of a direction are told along the axes across it, which turn with it.
+    for (int c = 0; c < 2 && !f.observed.angles; ++c) {
+      const Vector3<Expr> across = column(R, c), along = column(turned, 2);
+      const Expr share = dot(across, along);
+      for (int i = 0; i < 3; ++i) turned[i][c] = across[i] - share * along[i];
+    }
   }
   return Rigid<Expr>(turned, map(p));
 }
@@ -316,6 +332,28 @@ void Compiler::check_effects() const {
                                    : "at=\"...\", one of: " + join(names),
                      at ? nearest(at->text, names) : "");
   }
+}
+
+// An effect that could follow several circumstances needs only those of the amounts that it has:
+// play by the sense of approach needs no loads.
+void Compiler::forget_unused_covariates() {
+  std::set<int> used;
+  for (const auto& slots : row_support(program_)) used.insert(slots.begin(), slots.end());
+  auto use = [&](const Expr& e) {
+    for (const int slot : support(e)) used.insert(slot);
+  };
+  for (const Frame& frame : program_.frames)
+    for (const Motion<Expr>& m : frame.motion.motions()) {
+      use(m.amount);
+      for (int i = 0; i < 3; ++i) {
+        use(m.translation[i]);
+        for (int j = 0; j < 3; ++j) use(m.rotation[i][j]);
+      }
+    }
+  if (null_effect_) return;  // which amounts it is to have is not known
+  std::erase_if(program_.readings, [&](const Reading& r) {
+    return r.covariate && is_derived(r.column) && !used.contains(r.slot);
+  });
 }
 
 }  // namespace talus

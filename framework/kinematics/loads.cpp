@@ -50,6 +50,7 @@ Loads::Loads(const Program& program)
       tip_(program.frames.size()),
       total_(program.frames.size()),
       links_(program.frames.size()) {
+  if (program.gravity) down_ = vector(program.gravity->direction);
   std::vector<bool> to_holder(program.frames.size());
   for (int f = program.gravity ? program.gravity->held_at : -1; f >= 0;
        f = program.frames[f].parent)
@@ -71,7 +72,7 @@ void Loads::set(std::span<const double> coordinates, std::span<const double> par
   const auto& frames = program_->frames;
   Vector3d g = Vector3d::Zero();
   if (const auto& gravity = program_->gravity)
-    g = gravity->magnitude * (posture_.frame(gravity->frame).linear() * vector(gravity->direction));
+    g = gravity->magnitude * (posture_.frame(gravity->frame).linear() * down_);
   for (std::size_t i = 0; i < program_->payloads.size(); ++i) {
     const Payload& payload = program_->payloads[i];
     const double mass = i < payloads.size() ? payloads[i] : payload.mass;

@@ -39,9 +39,11 @@ std::string figure_with_std(double value, double std) {
   return fmt::format("{:.{}f} ± {:.{}f}", value, d, std, d);
 }
 
-std::string values_in_words(const Finding& f) {
+std::string values_in_words(const Finding& f) { return values_in_words(f.parameters); }
+
+std::string values_in_words(const std::vector<ShownValue>& values) {
   std::vector<std::string> words;
-  for (const ShownValue& v : f.parameters)
+  for (const ShownValue& v : values)
     words.push_back(fmt::format("{} {}{}", spoken(v.name), figure_with_std(v.value, v.std),
                                 v.unit.empty() || v.unit == "1" ? "" : " " + v.unit));
   return join(words, ", ");

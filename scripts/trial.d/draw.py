@@ -25,8 +25,9 @@ class Truth:
         text = f"<{self.effect}" + "".join(f" {n}={quoteattr(v)}" for n, v in attributes.items() if v)
         for name, (value, unit) in self.settings.items():
             text += f' {name}="{quantity(value, unit)}"'
+        size = math.sqrt(sum((scale * v / self.usual[n]) ** 2 for n, (v, _) in self.amounts.items()))  # in usual sizes
         for name, (value, unit) in self.amounts.items():
-            tolerance = 10 * max(abs(scale * value), self.usual[name]) if free else None
+            tolerance = 10 * size * self.usual[name] if free else None
             text += f' {name}="{quantity(scale * value, unit, tolerance)}"'
         return text + "/>"
 

@@ -66,6 +66,8 @@ def named(r, j):
     t = r["truths"][j]
     name = (t["effect"], t["location"])
     own = [c for c in r["claims"] if c["is"] == j]
+    if r["verdict"] == "unknown-physics" and placed(r, j):  # whatever stands beside it, that verdict takes all names back
+        return "unknown"
     if own and (own[0]["p"] >= CONFIDENT or len(kept_open(own[0])) <= SET):
         return "name" if own[0]["p"] >= CONFIDENT else "set"
     sets = [kept_open(c) for c in r["claims"]]
@@ -137,10 +139,10 @@ def wrongs(r):
         if t["strength"] >= STRONG:
             if not place:
                 found.append("not found, strong")
+            elif name == "unknown" and any(t is r["truths"][c["is"]] for c in place if c["is"] is not None):
+                found.append("named, then withdrawn")
             elif name not in ("name", "set", "equivalent"):
                 found.append(f"name: {name}")
-            elif r["verdict"] == "unknown-physics":
-                found.append("named, then withdrawn")
     for t, place, _ in truths(r, False):
         if t["strength"] >= STRONG and not place:
             found.append("unknown, not found")
