@@ -11,8 +11,6 @@
 namespace talus {
 namespace {
 
-constexpr double kLoose = 100;  // amounts may be so many typical ones
-
 // Values at the entries of x: by name where known.
 std::vector<double> start_of(const Problem& problem, const std::map<std::string, double>& values) {
   std::vector<double> x = problem.start();
@@ -130,7 +128,7 @@ Model extended(const Model& model, const std::vector<Accepted>& effects, const U
     std::vector<AmountValue> amounts;
     for (std::size_t a = 0; a < e.amounts.size(); ++a)
       amounts.push_back(
-          {e.amounts[a], (e.suspect.effect == "unknown" ? e.scale : kLoose) * e.way.typical[a]});
+          {e.amounts[a], e.scale * e.way.typical[a]});
     result.root.children.push_back(element_of(e.suspect, e.way, amounts, system));
   }
   return result;

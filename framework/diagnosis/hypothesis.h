@@ -15,7 +15,7 @@ struct Accepted {
   Way way;
   std::vector<double> amounts, std;
   double occam = 0;   // ln of what it is charged for its amounts and ways
-  double scale = 10;  // of a curve of no known cause: its heights' tolerance, in typical ones
+  double scale = 100;  // the amounts' tolerance, in typical ones
 };
 
 // The model with the effects as further elements; amounts start at their values.

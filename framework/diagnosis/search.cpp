@@ -149,7 +149,7 @@ class Searcher {
         for (const Accepted& e : t.effects) sum += e.occam;
         return sum / left;
       };
-      if (odds(result_.best) < odds(kept.best) + kSwap) result_ = std::move(kept);
+      if (odds(result_.best) < odds(kept.best)) result_ = std::move(kept);
     }
   }
 

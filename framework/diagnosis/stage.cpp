@@ -182,11 +182,12 @@ Accepted Stage::accepted(const Ground& ground, const Score& score) const {
         result.way.settings[effect.onset] =
             number_of(*ground.recordings,
                       effect.onset_of == Covariate::session ? "session" : "pose", rows[k]);
-  if (result.suspect.effect == "unknown") result.scale = score.scale;
+  // Many amounts at once are held to the size that the rows speak for.
+  if (result.way.amounts.size() > 3) result.scale = score.scale;
   for (std::size_t a = 0; a < result.way.amounts.size(); ++a) {
     const auto i = static_cast<Eigen::Index>(a);
     const double estimate = score.estimate.size() > i ? score.estimate[i] : 0;
-    const double most = result.scale * result.way.typical[a];
+    const double most = std::min(10.0, result.scale) * result.way.typical[a];
     result.amounts.push_back(std::clamp(estimate, -most, most));
     result.std.push_back(score.std.size() > i ? score.std[i] : 0);
   }
