@@ -129,6 +129,9 @@ class Screen {
   double chi2() const;     // of the rows, all that was accepted taken out
 
   Score score(const Pick& pick) const;
+  // ln of Occam's factor where a fit found these amounts: with half the chi-square that they gained
+  // it makes the Bayes factor, by Laplace's method. Never positive.
+  double occam(const Pick& pick, const Eigen::VectorXd& amounts) const;
   std::vector<Score> scores() const;           // of each form
   std::vector<SuspectScore> suspects() const;  // best first
   std::vector<PoseScore> poses() const;        // of each recorded one, in order

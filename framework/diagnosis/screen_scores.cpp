@@ -95,6 +95,19 @@ Score Screen::score(const Pick& pick) const {
   return in_->score(t, x.transpose() * in_->rest.head(x.rows()));
 }
 
+double Screen::occam(const Pick& pick, const VectorXd& amounts) const {
+  const Test& t = in_->test(pick);
+  const VectorXd typical = in_->candidates.typical(in_->candidates.forms[pick.form].columns);
+  // The amounts' signal along each direction that shows, in sigmas.
+  const VectorXd z = t.strength.cwiseAbs2().cwiseProduct(
+      t.whiten.transpose() * amounts.cwiseQuotient(typical.cwiseAbs2()));
+  std::vector<double> logs;
+  for (Index c = 0; c < t.penalty.size(); ++c)
+    logs.push_back(-t.penalty[c] -
+                   (z.cwiseAbs2().array() * (1 - t.share.col(c).array())).sum() / (2 * in_->noise));
+  return log_sum(logs);
+}
+
 std::vector<Score> Screen::scores() const {
   const auto forms = in_->candidates.forms.size();
   std::vector<VectorXd> products(in_->tests.size());

@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "framework/kinematics/compiler.h"
+#include "framework/kinematics/covariates.h"
 #include "framework/kinematics/effect_motion.h"
 
 namespace talus {
@@ -134,6 +136,7 @@ void Compiler::know(Covariate c, EffectPlace& place, const Place& where) {
     case Covariate::tip_load:
       a.tip_force = vector("tip_f", kForce), a.tip_moment = vector("tip_m", kTorque);
       a.weight = vector("weight_", kForce), a.span = vector("span_", length);
+      a.own_moment = vector("own_m", kTorque);
       break;
   }
   place.known.push_back(c);
@@ -163,14 +166,16 @@ std::vector<Expr> Compiler::corrections(EffectPlace place, const std::vector<std
     if (std::find(names.begin(), names.end(), at) == names.end()) continue;
     const Place where = e->find("at") ? e->find("at")->place : e->place;
     const auto& on = d.effect.on;
-    if (!on.empty() && std::find(on.begin(), on.end(), place.dimension) == on.end())
+    if (!on.empty() && std::find(on.begin(), on.end(), place.dimension) == on.end()) {
+      // All that is measured has one name; of it this acts on what it can.
+      if (place.acts == Acts::measured && at == names.back()) continue;
       throw InputError(where,
                        fmt::format("<{}> does not act on '{}', which is {}", e->tag, at,
                                    describe(place.dimension)),
                        describe(on[0]));
+    }
     placed_[e] = true;
     EffectPlace here = place;
-    const std::size_t before = program_.readings.size();
     for (Covariate c : d.effect.needs) know(c, here, where);
     if (d.effect.driven != Driven::no) here.around.driver = driver(*e);
     std::vector<Expr> values;
@@ -187,17 +192,9 @@ std::vector<Expr> Compiler::corrections(EffectPlace place, const std::vector<std
       values.push_back(input(*e, i).value);
     }
     const std::vector<Expr> more = plugin.act(here.around, values, choices(*e, d));
+    if (std::all_of(more.begin(), more.end(), [](const Expr& u) { return u.is_constant(); }))
+      null_effect_ = true;
     for (int k = 0; k < parts; ++k) sum[k] += more[k];
-    // Circumstances that its amounts do without (a drift with the time alone: the temperature).
-    const auto unused = [&](const Reading& r) {
-      return r.covariate && std::none_of(more.begin(), more.end(), [&](const Expr& e) {
-               const std::vector<int> on = support(e);
-               return std::binary_search(on.begin(), on.end(), r.slot);
-             });
-    };
-    auto& readings = program_.readings;
-    const auto added = readings.begin() + static_cast<std::ptrdiff_t>(before);
-    readings.erase(std::remove_if(added, readings.end(), unused), readings.end());
   }
   if (recorded_) {
     for (Covariate c : {Covariate::approach, Covariate::time, Covariate::session, Covariate::pose,
@@ -335,6 +332,28 @@ void Compiler::check_effects() const {
                                    : "at=\"...\", one of: " + join(names),
                      at ? nearest(at->text, names) : "");
   }
+}
+
+// An effect that could follow several circumstances needs only those of the amounts that it has:
+// play by the sense of approach needs no loads.
+void Compiler::forget_unused_covariates() {
+  std::set<int> used;
+  for (const auto& slots : row_support(program_)) used.insert(slots.begin(), slots.end());
+  auto use = [&](const Expr& e) {
+    for (const int slot : support(e)) used.insert(slot);
+  };
+  for (const Frame& frame : program_.frames)
+    for (const Motion<Expr>& m : frame.motion.motions()) {
+      use(m.amount);
+      for (int i = 0; i < 3; ++i) {
+        use(m.translation[i]);
+        for (int j = 0; j < 3; ++j) use(m.rotation[i][j]);
+      }
+    }
+  if (null_effect_) return;  // which amounts it is to have is not known
+  std::erase_if(program_.readings, [&](const Reading& r) {
+    return r.covariate && is_derived(r.column) && !used.contains(r.slot);
+  });
 }
 
 }  // namespace talus

@@ -34,10 +34,10 @@ struct Diagnosed {
   Advice advice;
 };
 
-inline Diagnosed diagnosed(const std::string& model, Recordings recordings,
+inline Diagnosed diagnosed(Model model, Recordings recordings,
                            const std::vector<std::string>& only = {}) {
   Diagnosed d;
-  d.model = read_model(model, d.registry);
+  d.model = std::move(model);
   d.recordings = std::move(recordings);
   d.split = random_split(d.recordings, 1);
   DiagnosisOptions options;
@@ -47,6 +47,12 @@ inline Diagnosed diagnosed(const std::string& model, Recordings recordings,
   advice.suspects.only = only;
   d.advice = advise(d.model, d.registry, d.diagnosis, advice);
   return d;
+}
+
+inline Diagnosed diagnosed(const std::string& file, Recordings recordings,
+                           const std::vector<std::string>& only = {}) {
+  Registry registry = Registry::built_in();
+  return diagnosed(read_model(file, registry), std::move(recordings), only);
 }
 
 }  // namespace talus::testing

@@ -99,7 +99,8 @@ struct Circumstances {
     for (Vector3<Expr>* v : {&around.tip_force, &around.tip_moment, &around.weight})
       add3(*v, force, needs(Covariate::tip_load));
     add3(around.span, length, needs(Covariate::tip_load));
-    add3(around.position, length, acts == Acts::measured);
+    add3(around.own_moment, torque, needs(Covariate::tip_load));
+    add3(around.position, corrected == number ? number : length, acts == Acts::measured);
   }
 };
 
