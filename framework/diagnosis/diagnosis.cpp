@@ -184,6 +184,8 @@ class Diagnoser {
     d_.after = clean_;
     d_.program_after = d_.program;
     if (claimed_) {
+      if (by_loads())
+        known_ = with_circumstances(model_, registry_, *d_.program, recordings_, geometry());
       const Trial& best = d_.search.best;
       d_.extended_model = extended(model_, best.effects, d_.program->units);
       auto after = std::make_shared<Program>(compile(d_.extended_model, registry_));
