@@ -5,6 +5,7 @@
 #include <random>
 #include <set>
 
+#include "framework/calibration/closing.h"
 #include "framework/calibration/simulate.h"
 
 namespace talus {
@@ -42,11 +43,12 @@ class Maker {
         random_(seed) {
     for (std::size_t i = 0; i < program_.parameters.size(); ++i)
       program_.parameters[i].nominal.value = x_[i];
+    for (const Unknown& u : program_.unknowns) groups_.insert(u.per.begin(), u.per.end());
   }
 
   Pool run(int count, const SuspectOptions& suspects) {
     ranges();
-    Settings drawn = draw(count);
+    Settings drawn = closed(draw(count));
     const Recordings simulated = simulate(program_, drawn, {1, 0, ground_.threads});
     pool_.recordings = recordings_;
     std::vector<std::size_t> rows = ground_.rows;
@@ -121,13 +123,26 @@ class Maker {
     return settings;
   }
 
+  // Without those in which a loop cannot be closed.
+  Settings closed(Settings drawn) {
+    if (!has_loops(program_)) return drawn;
+    ClosingOptions options;
+    options.threads = ground_.threads;
+    const Closed all = close_loops(program_, std::move(drawn), options);
+    Settings kept;
+    for (std::size_t k = 0; k < all.reached.size(); ++k)
+      if (all.reached[k]) kept.poses.push_back(all.settings.poses[k]);
+    return kept;
+  }
+
   // Row k of the simulated ones, with its circumstances; false where a value is missing.
   bool append(const Recordings& simulated, std::size_t k) {
     for (const RecordedColumn& c : simulated.columns)
       if (!std::isfinite(c.values[k])) return false;
     Recordings& all = pool_.recordings;
     for (RecordedColumn& c : all.columns) {
-      const RecordedColumn* given = c.name == "pose" ? nullptr : simulated.find(c.name);
+      const bool own = c.name != "pose" && !groups_.contains(c.name);
+      const RecordedColumn* given = own ? simulated.find(c.name) : nullptr;
       c.values.push_back(given ? given->values[k] : circumstance(c));
     }
     all.lines.push_back(0);
@@ -140,6 +155,7 @@ class Maker {
   }
 
   double circumstance(const RecordedColumn& c) {
+    if (groups_.contains(c.name)) return c.values[ground_.rows.back()];
     std::vector<double> seen;
     for (const double v : c.values)
       if (!std::isnan(v)) seen.push_back(v);
@@ -246,6 +262,7 @@ class Maker {
   const std::vector<double>& x_;
   Program program_;
   std::mt19937_64 random_;
+  std::set<std::string> groups_;  // columns that say which unknowns poses share: as the last
   Pool pool_;
 };
 

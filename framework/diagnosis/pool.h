@@ -5,6 +5,7 @@
 // Where a model states no range of a sensor or unknown, what was visited is widened: by half its
 // width on both sides, that of a sensor to a third of a turn at least. Payloads are those seen,
 // approaches of both senses where approaches were recorded, the time goes on after the last pose.
+// Unknowns shared by groups are those of the last pose that was fitted; loops are closed.
 #pragma once
 
 #include <cstdint>
