@@ -102,6 +102,22 @@ std::vector<std::pair<std::string, Dimension>> wanted(const Program& program) {
   return result;
 }
 
+bool is_coordinate(const Program& program, const std::string& column) {
+  return std::any_of(program.readings.begin(), program.readings.end(),
+                     [&](const Reading& r) { return !r.covariate && r.column == column; });
+}
+
+// All that a table of poses may say beside readings and unknowns.
+std::vector<std::pair<std::string, Dimension>> circumstances(const Program& program) {
+  std::vector<std::pair<std::string, Dimension>> result = {
+      {"time", duration}, {"session", number}, {"temperature", temperature}};
+  for (const Payload& p : program.payloads) result.emplace_back(p.column, mass);
+  for (const Frame& f : program.frames)
+    result.emplace_back(std::string(kApproach) + f.name, number);
+  for (const char* name : gravity_columns) result.emplace_back(name, number);
+  return result;
+}
+
 }  // namespace
 
 bool depends_on_loads(const Program& program) {
@@ -141,7 +157,7 @@ Settings with_circumstances(const Program& program, Settings settings, const Rec
   const bool needed =
       !groups.empty() || std::any_of(program.readings.begin(), program.readings.end(),
                                      [](const Reading& r) { return r.covariate; });
-  if (!needed || !settings.circumstances.empty()) return settings;
+  if ((!needed && !table) || !settings.circumstances.empty()) return settings;
   const std::size_t rows = settings.poses.size();
   Recordings made;
   for (std::size_t k = 0; k < rows; ++k) made.lines.push_back(static_cast<int>(k) + 2);
@@ -176,6 +192,10 @@ Settings with_circumstances(const Program& program, Settings settings, const Rec
       add(name, dimension,
           numbers(payload == program.payloads.end() ? usual_value(name) : payload->mass, 0));
   }
+  if (table)
+    for (const auto& [name, dimension] : circumstances(program))  // recorded, whether needed or not
+      if (table->find(name) && !made.find(name) && !is_coordinate(program, name))
+        add(name, dimension, table->get(name, dimension).values);
   for (const std::string& name : groups) {
     const bool shared =
         std::any_of(program.unknowns.begin(), program.unknowns.end(), [&](const Unknown& u) {
@@ -196,6 +216,7 @@ Settings with_circumstances(const Program& program, Settings settings, const Rec
     for (const auto& pose : settings.poses) values.push_back(pose[i]);
     add(r.column, r.dimension, std::move(values));
   }
+  if (!needed) return settings;
   made = with_derived(program, made);
   for (std::size_t i = 0; i < program.readings.size(); ++i)
     if (program.readings[i].covariate && program.readings[i].column != "pose")

@@ -1,7 +1,7 @@
 // The circumstances that a model's effects depend on, as columns of the recordings: those that are
-// recorded (pose, time, session, temperature, approach_<joint>, and the payloads that loads follow
-// from), and those that follow from these and the readings (kinematics/covariates.h,
-// load_columns.h).
+// recorded (pose, time, session, temperature, approach_<joint>, and payloads and the direction of
+// gravity, which loads follow from), and those that follow from these and the readings
+// (kinematics/covariates.h, load_columns.h).
 #pragma once
 
 #include <span>
@@ -25,8 +25,8 @@ bool depends_on_loads(const Program& program);
 // are counted from 1 and 30 s apart, in session 1, at 20 degC, each joint approached in the sense
 // of its last move, payloads as the model says or zero; rows of one group where an unknown is
 // shared by groups, each row its own group where groups are held out. Those that a recording would
-// contain are in Settings::circumstances as well. Settings that have these are returned as they
-// are.
+// contain, and those that the table has, are in Settings::circumstances as well. Settings that have
+// these are returned as they are.
 Settings with_circumstances(const Program& program, Settings settings,
                             const Recordings* table = nullptr);
 

@@ -43,7 +43,7 @@ struct Source {
 };
 
 struct Sources {
-  std::vector<Source> coordinates, payloads;
+  std::vector<Source> coordinates, payloads, gravity;
 
   Sources(const Program& program, const Recordings& recordings) {
     for (const Reading& r : program.readings) {
@@ -56,6 +56,26 @@ struct Sources {
       const bool recorded = !p.column.empty() && recordings.find(p.column);
       payloads.push_back({recorded ? &recordings.get(p.column, mass) : nullptr, p.mass});
     }
+    if (std::any_of(gravity_columns.begin(), gravity_columns.end(),
+                    [&](const char* name) { return recordings.find(name); }))
+      for (const char* name : gravity_columns)
+        gravity.push_back({&recordings.get(name, number), 0});
+  }
+
+  // Where the row says nothing, gravity is the model's.
+  Eigen::Vector3d down(const Program& program, const Recordings& recordings,
+                       std::size_t row) const {
+    Eigen::Vector3d v;
+    for (int i = 0; i < 3; ++i) v[i] = gravity[i][row];
+    if (v.array().isNaN().all()) {
+      const auto& d = program.gravity->direction;
+      return {d[0], d[1], d[2]};
+    }
+    if (v.norm() == 0)
+      throw InputError(
+          {recordings.file, recordings.lines[row], 0}, "gravity has no direction",
+          "components of a vector that points down, or empty cells: as the model says");
+    return v;
   }
 };
 
@@ -69,10 +89,33 @@ void for_each_row(const Program& program, const Recordings& recordings,
     for (std::size_t i = 0; i < coordinates.size(); ++i)
       coordinates[i] = sources.coordinates[i][row];
     for (std::size_t i = 0; i < payloads.size(); ++i) payloads[i] = sources.payloads[i][row];
+    if (!sources.gravity.empty()) loads.turn(sources.down(program, recordings, row));
     loads.set(coordinates, parameters, payloads);
     use(row, loads);
   }
 }
+
+// A vector of a load, in the columns <name>x, <name>y, <name>z.
+struct Part {
+  const char *name, *unit;
+  const Eigen::Vector3d& (*of)(const LinkLoad&);
+};
+
+const Eigen::Vector3d& axis_force(const LinkLoad& l) { return l.axis.force; }
+const Eigen::Vector3d& axis_moment(const LinkLoad& l) { return l.axis.moment; }
+const Eigen::Vector3d& tip_force(const LinkLoad& l) { return l.tip.force; }
+const Eigen::Vector3d& tip_moment(const LinkLoad& l) { return l.tip.moment; }
+const Eigen::Vector3d& weight(const LinkLoad& l) { return l.weight; }
+const Eigen::Vector3d& own_moment(const LinkLoad& l) { return l.own_moment; }
+const Eigen::Vector3d& link_span(const LinkLoad& l) { return l.span; }
+
+constexpr std::array<Part, 7> parts{{{"f", "N", axis_force},
+                                     {"m", "N*mm", axis_moment},
+                                     {"tip_f", "N", tip_force},
+                                     {"tip_m", "N*mm", tip_moment},
+                                     {"weight_", "N", weight},
+                                     {"own_m", "N*mm", own_moment},
+                                     {"span_", "mm", link_span}}};
 
 }  // namespace
 
@@ -133,47 +176,23 @@ Recordings with_loads(const Program& program, const Recordings& recordings,
                       std::span<const double> parameters) {
   const std::vector<int> frames = loaded_frames(program);
   if (frames.empty()) return recordings;
-  struct Part {
-    const char* name;
-    const char* unit;
-    const Eigen::Vector3d& (*of)(const LinkLoad&);
-  };
-  static constexpr Part parts[] = {{"f", "N", [](const LinkLoad& l) -> auto& {return l.axis.force;
-}
-}  // namespace talus
-, {"m", "N*mm", [](const LinkLoad& l) -> auto& {return l.axis.moment;
-}
-}
-, {"tip_f", "N", [](const LinkLoad& l) -> auto& {return l.tip.force;
-}
-}
-, {"tip_m", "N*mm", [](const LinkLoad& l) -> auto& {return l.tip.moment;
-}
-}
-, {"weight_", "N", [](const LinkLoad& l) -> auto& {return l.weight;
-}
-}
-, {
-  "span_", "mm", [](const LinkLoad& l) -> auto& { return l.span; }
-}
-}
-;
-Recordings result = recordings;
-std::erase_if(result.columns, [](const RecordedColumn& c) { return c.name.starts_with(prefix); });
-const std::size_t first = result.columns.size();
-for (const int f : frames)
-  for (const Part& part : parts)
-    for (const char* component : components)
-      result.columns.push_back({prefix + program.frames[f].name + "." + part.name + component,
-                                *parse_unit(part.unit), std::vector<double>(recordings.rows()),
-                                Place{recordings.file}});
-for_each_row(program, recordings, parameters, [&](std::size_t row, const Loads& loads) {
-  std::size_t column = first;
+  Recordings result = recordings;
+  std::erase_if(result.columns, [](const RecordedColumn& c) { return c.name.starts_with(prefix); });
+  const std::size_t first = result.columns.size();
   for (const int f : frames)
     for (const Part& part : parts)
-      for (int i = 0; i < 3; ++i) result.columns[column++].values[row] = part.of(loads.link(f))[i];
-});
-return result;
+      for (const char* component : components)
+        result.columns.push_back({prefix + program.frames[f].name + "." + part.name + component,
+                                  *parse_unit(part.unit), std::vector<double>(recordings.rows()),
+                                  Place{recordings.file}});
+  for_each_row(program, recordings, parameters, [&](std::size_t row, const Loads& loads) {
+    std::size_t column = first;
+    for (const int f : frames)
+      for (const Part& part : parts)
+        for (int i = 0; i < 3; ++i)
+          result.columns[column++].values[row] = part.of(loads.link(f))[i];
+  });
+  return result;
 }
 
 }  // namespace talus

@@ -47,6 +47,28 @@ class ProgressLine {
   double share_ = 0;
 };
 
+// The formulas suggested, each as a Lua effect and a model that has it beside it; the models.
+std::vector<std::string> write_formulas(const Options& o, const Advice& advice,
+                                        const std::filesystem::path& folder) {
+  std::vector<std::string> files;
+  const bool lua = o.model.ends_with(".lua");
+  for (const std::optional<Suggestion>& s : advice.formulas) {
+    files.emplace_back();
+    if (!s || !s->wins) continue;
+    const std::string stem = std::filesystem::path(o.model).stem().string() + "-" + s->tag;
+    files.back() = (folder / (stem + (lua ? "-model.lua" : ".xml"))).string();
+    Model model = calibrated_model(s->model, *s->program, s->fit);
+    move_plugin_paths(model, o.model, files.back());
+    Element plugin;
+    plugin.tag = "plugin";
+    plugin.set("file", stem + ".lua");
+    model.root.children.insert(model.root.children.begin(), plugin);
+    write_file((folder / (stem + ".lua")).string(), s->lua);
+    write_file(files.back(), lua ? write_lua(model) : write_xml(model));
+  }
+  return files;
+}
+
 void run(Options& o) {
   const std::filesystem::path folder = o.common.out.empty() ? "." : o.common.out;
   if (std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
@@ -95,9 +117,14 @@ void run(Options& o) {
     move_plugin_paths(extended, o.model, file);
     write_file(file, lua ? write_lua(extended) : write_xml(extended));
   }
+  files.formula_models = write_formulas(o, advice, folder);
   if (!o.next.empty() && !advice.next.poses.empty()) {
-    put(o.next, fmt::format("# poses to record next, for {} after {}\n", o.model, o.recordings) +
-                    write_recordings(advice.next.table));
+    std::string head =
+        fmt::format("# poses to record next, for {} after {}\n", o.model, o.recordings);
+    for (std::size_t k = 0; k < advice.next.poses.size(); ++k)
+      if (const std::string& how = advice.next.poses[k].how; !how.empty())
+        head += fmt::format("# {}: {}\n", k + 1, how);
+    put(o.next, head + write_recordings(advice.next.table));
     files.next_poses = o.next;
   }
   const ReportContext context{"diagnose", o.model, o.recordings, &measured};

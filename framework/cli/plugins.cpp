@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "framework/cli/commands.h"
+#include "framework/report/plugin_json.h"
 
 namespace talus {
 namespace {
@@ -66,8 +67,17 @@ std::string describe_plugin(const Plugin& plugin) {
   return out;
 }
 
+void write_json(const std::vector<const Plugin*>& plugins, const std::string& file) {
+  auto list = nlohmann::ordered_json::array();
+  for (const Plugin* plugin : plugins) list.push_back(json_of(*plugin));
+  put(file, nlohmann::ordered_json{{"talus", TALUS_VERSION}, {"plugins", list}}.dump(2) + "\n");
+}
+
 void run(const std::string& name, const Common& common) {
   const Registry registry = common.registry();
+  std::vector<const Plugin*> all = registry.all();
+  if (!name.empty()) std::erase_if(all, [&](auto* p) { return p->declaration.tag != name; });
+  if (!all.empty() && !common.json.empty()) return write_json(all, common.json);
   bool any = false;
   Family last{};
   for (const Plugin* plugin : registry.all()) {
@@ -96,6 +106,8 @@ void add_plugins(CLI::App& app) {
   auto name = std::make_shared<std::string>();
   command->add_option("name", *name, "a tag, to see its inputs");
   add_common(*command, *common, false, false);
+  command->add_option("--json", common->json, "write it as JSON (- for standard output)")
+      ->type_name("FILE");
   command->callback([=] { run(*name, *common); });
 }
 

@@ -21,6 +21,9 @@ Advice advise(const Model& model, const Registry& registry, const Diagnosis& dia
   for (std::size_t i = 0; i < diagnosis.search.best.effects.size(); ++i)
     (diagnosis.findings.empty() ? advice.hint_curves : advice.curves)
         .push_back(curve_of(ground, diagnosis.search, i, diagnosis.program->units));
+  progress("formulas", 0.96);
+  for (std::size_t i = 0; i < diagnosis.findings.size(); ++i)
+    advice.formulas.push_back(suggest_formula(ground, diagnosis, i));
   progress("next poses", 0.97);
   advice.next = next_recordings(ground, diagnosis, advice.seen, options);
   return advice;

@@ -1,11 +1,14 @@
 // What a diagnosis is followed by: what could have been seen (seen.h), what each finding corrects
-// (curve.h), and which poses to record next. These are chosen to tell the findings from their
-// rivals where the verdict is ambiguous, and otherwise to show the usual suspects that the
-// recordings at hand would not show.
+// (curve.h), a formula for what is unknown (suggestion.h), and which poses to record next. These
+// are chosen to tell the findings from their rivals where the verdict is ambiguous, and otherwise
+// to show the usual suspects that the recordings at hand would not show.
 #pragma once
+
+#include <cmath>
 
 #include "framework/diagnosis/curve.h"
 #include "framework/diagnosis/seen.h"
+#include "framework/diagnosis/suggestion.h"
 
 namespace talus {
 
@@ -22,6 +25,9 @@ struct NextPose {
   std::size_t row = 0;                // of the table
   std::vector<double> coordinates;    // as NextRecordings::names, internal units
   std::vector<std::string> purposes;  // "see encoder eccentricity at encoder3", the first the most
+  std::string how;                    // "joint3 from above, with 2 kg"; empty: only go there
+  double again = std::nan("");        // number of the recorded pose that it repeats
+  double gain = 0;  // share of the chi-square of its first purpose that would be lost without it
 };
 
 struct NextRecordings {
@@ -31,6 +37,8 @@ struct NextRecordings {
   std::vector<std::string> assumed;  // those whose range the model does not state
   std::vector<NextPose> poses;       // the most useful first
   Recordings table;                  // readings and circumstances, one row per pose
+  std::string mounting;              // "B turned 90 deg about its x axis", where some need it
+  std::vector<std::string> loops;    // closures that the poses keep
   double before = 0, after = 0;      // least of chi-square over what is needed, attainable targets
   std::vector<NextTarget> targets;
   std::string statement;  // what they are for, or why there are none
@@ -38,7 +46,8 @@ struct NextRecordings {
 
 struct Advice {
   Seen seen;
-  std::vector<Curve> curves, hint_curves;  // of Diagnosis::findings, hints
+  std::vector<Curve> curves, hint_curves;           // of Diagnosis::findings, hints
+  std::vector<std::optional<Suggestion>> formulas;  // of Diagnosis::findings: those of curves
   NextRecordings next;
 };
 

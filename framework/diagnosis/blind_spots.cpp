@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "framework/calibration/load_columns.h"
 #include "framework/diagnosis/tails.h"
 #include "framework/kinematics/tape_values.h"
 
@@ -198,6 +199,20 @@ class Blind {
     return seen.size() > 1;
   }
 
+  // Were there several mountings? An empty cell is the model's.
+  bool turned() const {
+    std::set<std::array<double, 3>> seen;
+    for (const std::size_t row : null_.rows) {
+      std::array<double, 3> down = program_.gravity->direction;
+      for (std::size_t i = 0; i < 3; ++i)
+        if (const RecordedColumn* c = recordings_.find(gravity_columns[i]);
+            c && !std::isnan(c->values[row]))
+          down[i] = c->values[row];
+      seen.insert(down);
+    }
+    return seen.size() > 1;
+  }
+
   std::string constant() const {
     std::string text =
         "What never varies has no signature: a constant error of a reading is its zero, one of a "
@@ -225,7 +240,7 @@ class Blind {
       text +=
           " The sense in which joints were moved (approach) was not recorded, so that play shows "
           "at most where loads close it.";
-    if (program_.gravity)
+    if (program_.gravity && !turned())
       text += " Gravity has one direction in the recordings: loads vary by posture" +
               std::string(program_.payloads.empty() ? "" : " and payload") + " only.";
     return text;

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kEnd = 1.0 / 6;        // share of the rows in a region
 constexpr std::size_t kLeastPoses = 8;  // in a block, and three times as many outside
+constexpr std::size_t kFew = 6;         // values: levels rather than a range
 
 double judged(const BlockModel& model, const Recordings& recordings, const Split& split,
               FitOptions options) {
@@ -21,9 +22,13 @@ double judged(const BlockModel& model, const Recordings& recordings, const Split
 
 }  // namespace
 
+BlockCovariate block_covariate(const RecordedColumn& column) {
+  return {column.name, column.unit.text, column.unit.factor, column.values};
+}
+
 std::vector<Block> held_out_blocks(const BlockModel& given, const BlockModel& extended,
                                    const Recordings& recordings, const Split& split,
-                                   const std::vector<std::string>& columns,
+                                   const std::vector<BlockCovariate>& covariates,
                                    const FitOptions& options) {
   std::vector<Block> blocks;
   auto hold_out = [&](const std::string& name, const std::function<bool(std::size_t)>& inside) {
@@ -42,22 +47,27 @@ std::vector<Block> held_out_blocks(const BlockModel& given, const BlockModel& ex
     }
     blocks.push_back(b);
   };
-  for (const std::string& name : columns) {
-    const RecordedColumn* column = recordings.find(name);
-    if (!column) continue;
+  for (const BlockCovariate& c : covariates) {
     std::vector<double> sorted;
     for (std::size_t row : split.fit)
-      if (!std::isnan(column->values[row])) sorted.push_back(column->values[row]);
+      if (!std::isnan(c.values[row])) sorted.push_back(c.values[row]);
     std::sort(sorted.begin(), sorted.end());
+    std::vector<double> distinct = sorted;
+    distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+    if (distinct.size() < 2) continue;
+    auto words = [&](const char* side, double at) {
+      return fmt::format("{} {} {:.4g} {}", c.name, side, at / c.factor, c.unit);
+    };
+    if (distinct.size() <= kFew) {
+      for (const double v : {distinct.front(), distinct.back()})
+        hold_out(words("at", v), [&](std::size_t row) { return c.values[row] == v; });
+      continue;
+    }
     const auto end = static_cast<std::size_t>(kEnd * static_cast<double>(sorted.size()));
     if (end == 0) continue;
     const double low = sorted[end], high = sorted[sorted.size() - 1 - end];
-    auto words = [&](const char* side, double at) {
-      return fmt::format("{} {} {:.4g} {}", name, side, at / column->unit.factor,
-                         column->unit.text);
-    };
-    hold_out(words("below", low), [&](std::size_t row) { return column->values[row] < low; });
-    hold_out(words("above", high), [&](std::size_t row) { return column->values[row] > high; });
+    hold_out(words("below", low), [&](std::size_t row) { return c.values[row] < low; });
+    hold_out(words("above", high), [&](std::size_t row) { return c.values[row] > high; });
   }
   if (const RecordedColumn* session = recordings.find("session")) {
     double first = INFINITY, last = -INFINITY;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "framework/kinematics/tape_values.h"
+#include "framework/diagnosis/covariate_axes.h"
 
 namespace talus {
 namespace {
@@ -12,93 +12,7 @@ namespace {
 using Eigen::VectorXd;
 
 constexpr int kBins = 12;
-
-struct Axis {
-  std::string name, unit;
-  double factor = 1;  // internal units of one
-  Expr value;
-};
-
 const Unit kPlain{"1", number, 1, 0};
-
-std::vector<Axis> axes_of(const Accepted& e, const EffectPlace& place, const Program& program,
-                          const UnitSystem& units) {
-  const EffectTraits& effect = e.suspect.plugin->declaration.effect;
-  const auto& a = place.around;
-  std::vector<Axis> axes;
-  auto add = [&](std::string name, const Unit& unit, const Expr& value) {
-    if (!value.is_constant()) axes.push_back({std::move(name), unit.text, unit.factor, value});
-  };
-  auto add_vector = [&](const std::string& name, const Vector3<Expr>& v, const Unit& unit) {
-    for (int i = 0; i < 3; ++i) add(name + " along " + "xyz"[i], unit, v[static_cast<size_t>(i)]);
-  };
-  const Unit seconds{"s", duration, 1, 0}, newtons{"N", number, 1000, 0},
-      torques{"N*mm", number, 1000, 0}, own = units.of(place.dimension);
-  if (!effect.onset.empty()) {
-    const bool session = effect.onset_of == Covariate::session;
-    add(session ? "session" : "pose", kPlain, session ? a.session : a.pose);
-    return axes;
-  }
-  if (!e.way.driver.empty())
-    for (const EffectPlace& other : program.places)
-      if (other.acts == Acts::coordinate && other.joint == e.way.driver) {
-        add(e.way.driver, units.of(other.dimension), other.around.coordinate);
-        return axes;
-      }
-  for (const Covariate c : effect.needs) {
-    if (std::find(place.known.begin(), place.known.end(), c) == place.known.end()) continue;
-    switch (c) {
-      case Covariate::approach:
-        add("approach", kPlain, a.approach);
-        break;
-      case Covariate::time:
-        add("time", seconds, a.time);
-        break;
-      case Covariate::session:
-        add("session", kPlain, a.session);
-        break;
-      case Covariate::pose:
-        add("pose", kPlain, a.pose);
-        break;
-      case Covariate::temperature:
-        add("temperature", {"degC", temperature, 1, 0}, a.temperature);
-        break;
-      case Covariate::rate:
-        add("rate", {own.text + "/s", number, own.factor, 0}, a.rate);
-        break;
-      case Covariate::travel:
-        add("travel since reversal", own, a.travel);
-        break;
-      case Covariate::since:
-        add("time in session", seconds, a.since);
-        break;
-      case Covariate::load:
-        add_vector("moment", a.moment, torques), add_vector("force", a.force, newtons);
-        break;
-      case Covariate::tip_load:
-        add_vector("moment on the end", a.tip_moment, torques);
-        add_vector("force on the end", a.tip_force, newtons);
-        break;
-    }
-  }
-  if (!axes.empty()) return axes;
-  if (place.acts == Acts::reading)
-    add(place.location, own, a.reading);
-  else if (place.acts == Acts::measured)
-    add_vector("position", a.position, units.length);
-  else
-    add(place.joint.empty() ? place.location : place.joint,
-        place.dimension == length ? units.length : units.angle, a.coordinate);
-  return axes;
-}
-
-VectorXd values(const Linearised& at, const Expr& e) {
-  TapeValues tape(*at.program->tape, {e.node()});
-  VectorXd v(static_cast<Eigen::Index>(at.slots.size()));
-  for (std::size_t k = 0; k < at.slots.size(); ++k)
-    v[static_cast<Eigen::Index>(k)] = tape(at.slots[k])[0];
-  return v;
-}
 
 struct Corrections {
   VectorXd wanted, weight;  // per pose
@@ -172,12 +86,6 @@ double shown(const std::vector<CurvePoint>& points) {
   return points.size() < 2 ? 0 : sum;
 }
 
-const Suspect* same(const Linearised& at, const Accepted& e) {
-  for (const Suspect& s : at.suspects.suspects)
-    if (s.plugin == e.suspect.plugin && s.at == e.suspect.at) return &s;
-  return nullptr;
-}
-
 }  // namespace
 
 Curve curve_of(const Ground& ground, const Search& search, std::size_t i, const UnitSystem& units) {
@@ -192,7 +100,7 @@ Curve curve_of(const Ground& ground, const Search& search, std::size_t i, const 
   options.suspects.only = {e.suspect.plugin->declaration.tag};
   const Linearised before = linearised(ground, without, options),
                    after = linearised(ground, search.best, options);
-  const Suspect *suspect = same(before, e), *then = same(after, e);
+  const Suspect *suspect = suspect_of(before, e), *then = suspect_of(after, e);
   Curve curve;
   if (!suspect || !then || before.rows != after.rows) return curve;
   const EffectPlace& place = before.program->places[static_cast<std::size_t>(suspect->places[0])];
@@ -209,8 +117,8 @@ Curve curve_of(const Ground& ground, const Search& search, std::size_t i, const 
     if (change > most) most = change, first = a, second = b, part = p;
   }
   double best = 0, factor = 1;
-  for (const Axis& axis : axes_of(e, place, *before.program, units)) {
-    std::vector<CurvePoint> points = binned(values(before, axis.value), first, second);
+  for (const CovariateAxis& axis : covariate_axes(e, place, *before.program, units)) {
+    std::vector<CurvePoint> points = binned(values_at(before, axis.value), first, second);
     if (shown(points) <= best) continue;
     best = shown(points);
     curve.x = axis.name, curve.x_unit = axis.unit, factor = axis.factor;

@@ -9,41 +9,23 @@
 #include <functional>
 
 #include "framework/diagnosis/blocks.h"
+#include "framework/diagnosis/claims.h"
 #include "framework/diagnosis/evidence.h"
 #include "framework/diagnosis/noise.h"
 #include "framework/diagnosis/outliers.h"
-#include "framework/diagnosis/search.h"
-#include "framework/diagnosis/shown.h"
 
 namespace talus {
 
 enum class Verdict { nothing_missing, explained, ambiguous, unknown_physics, bad_data };
 std::string to_string(Verdict verdict);  // as in JSON: "nothing-missing", ...
-
-struct NamedRival {
-  std::string effect, location;
-  double probability = 0;
-};
-
-struct Finding {
-  std::string effect, location;
-  double probability = 0;
-  std::vector<ShownValue> parameters;
-  std::string driver;     // the coordinate that drives it, where one does
-  double delta_chi2 = 0;  // lost on the rows to fit without it, all else refitted
-  double delta_bic = 0;
-  double p_value = 1;                            // of the best of all candidates by chance
-  double sigmas = 0;                             // what it explains per pose, in sigmas of a pose
-  double heldout_before = 0, heldout_after = 0;  // without and with it, the others kept
-  std::vector<NamedRival> rivals;
-  std::string statement;
-  Accepted accepted;
-};
+inline constexpr const char* kWithdrawn =
+    "Modelled so, rows held out are predicted worse; the model is left as it was.";
 
 struct Diagnosis {
   Verdict verdict = Verdict::nothing_missing;
   std::string statement;
-  std::vector<Finding> findings, hints;  // hints: significant, but too small to be a claim
+  std::vector<Finding> findings, hints;  // hints: significant, but too small to be a claim, or
+                                         // the leftover of a finding at its place
   Fit baseline, after;  // after is that of the extended model; the baseline where nothing was found
   std::shared_ptr<const Program> program, program_after;
   Model extended_model;  // as it was given, where nothing was found
@@ -54,6 +36,7 @@ struct Diagnosis {
   Recordings recordings;     // as they were judged: faults corrected
   Split split;               // without copies and blunders
   HeldOut heldout;
+  bool withdrawn = false;  // modelled so, rows held out were predicted worse: the model is as given
   std::vector<Block> blocks;  // regions and sessions held out, where something was claimed
   Search search;
   std::vector<std::string> warnings;

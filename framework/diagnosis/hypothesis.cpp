@@ -41,7 +41,24 @@ class Fitter {
     options.robust = false;
     problem_ =
         std::make_unique<Problem>(*program, *ground.recordings, ground.rows, groups, options);
+    if (!ground.scale.empty()) problem_->divide_rows_by(ground.scale);
     trial_.program = std::move(program);
+  }
+
+  // Root mean square of each row at these values, as Problem::divide_rows_by takes it.
+  std::vector<double> scale(const Trial& at) {
+    std::vector<double> result;
+    if (problem_->noise_known()) return result;
+    if (at.latents.size() > 0) problem_->set_latents(at.latents);
+    const Eigen::MatrixXd rows = problem_->residuals(start_of(*problem_, at.values)).whitened;
+    // A row that is fitted exactly must not outweigh the others.
+    const double least = 1e-6 * std::sqrt(rows.squaredNorm() / static_cast<double>(rows.size()));
+    for (Eigen::Index r = 0; r < rows.cols(); ++r) {
+      const double rms = rows.col(r).norm() / std::sqrt(static_cast<double>(rows.rows()));
+      const Unit unit = trial_.program->units.of(trial_.program->rows[r].dimension);
+      result.push_back(std::max(rms, least) * unit.factor);
+    }
+    return result;
   }
 
   Trial run(const Trial& near, const TrialOptions& options) {
@@ -84,6 +101,7 @@ class Fitter {
   void finish(const std::vector<double>& x) {
     const std::vector<std::string> names = problem_->names();
     double loose = 0;
+    trial_.x = x;
     for (std::size_t i = 0; i < x.size(); ++i) trial_.values[names[i]] = x[i];
     Eigen::VectorXd std;
     if (std::isfinite(cost_)) {
@@ -94,9 +112,7 @@ class Fitter {
     }
     const auto& parameters = trial_.program->parameters;
     for (Accepted& e : trial_.effects) {
-      const std::string owner = e.suspect.at.empty()
-                                    ? e.suspect.plugin->declaration.tag
-                                    : e.suspect.plugin->declaration.tag + "_" + e.suspect.at;
+      const std::string owner = owner_of(e);
       for (std::size_t a = 0; a < e.way.amounts.size(); ++a)
         for (std::size_t i = 0; i < parameters.size(); ++i)
           if (parameters[i].element == owner && parameters[i].attribute == e.way.amounts[a]) {
@@ -118,6 +134,14 @@ class Fitter {
   double cost_ = 0;
 };
 
+Trial values_of(const Ground& ground, const Fit& fit) {
+  Trial at;
+  for (const auto& all : {fit.parameters, fit.shared})
+    for (const FittedValue& v : all) at.values[v.name] = v.value;
+  if (fit.residuals_fit.poses.size() == ground.rows.size()) at.latents = fit.residuals_fit.latent;
+  return at;
+}
+
 }  // namespace
 
 Model extended(const Model& model, const std::vector<Accepted>& effects, const UnitSystem& units) {
@@ -129,21 +153,18 @@ Model extended(const Model& model, const std::vector<Accepted>& effects, const U
     std::vector<AmountValue> amounts;
     for (std::size_t a = 0; a < e.amounts.size(); ++a)
       amounts.push_back(
-          {e.amounts[a], (e.suspect.effect == "unknown" ? 10 : kLoose) * e.way.typical[a]});
+          {e.amounts[a], (e.suspect.effect == "unknown" ? e.scale : kLoose) * e.way.typical[a]});
     result.root.children.push_back(element_of(e.suspect, e.way, amounts, system));
   }
   return result;
 }
 
+std::vector<double> scale_of_rows(const Ground& ground, const Fit& fit) {
+  return Fitter(ground, {}, ground.threads).scale(values_of(ground, fit));
+}
+
 Trial trial_of(const Ground& ground, const Fit& fit) {
-  Trial near;
-  auto note = [&](const std::vector<FittedValue>& all) {
-    for (const FittedValue& v : all) near.values[v.name] = v.value;
-  };
-  note(fit.parameters), note(fit.shared);
-  Fitter fitter(ground, {}, ground.threads);
-  if (fit.residuals_fit.poses.size() == ground.rows.size()) near.latents = fit.residuals_fit.latent;
-  return fitter.run(near, {});
+  return Fitter(ground, {}, ground.threads).run(values_of(ground, fit), {});
 }
 
 Trial fit_trial(const Ground& ground, const std::vector<Accepted>& effects, const Trial& near,

@@ -14,6 +14,8 @@ struct Accepted {
   Suspect suspect;
   Way way;
   std::vector<double> amounts, std;
+  double occam = 0;   // ln of what it is charged for its amounts and ways
+  double scale = 10;  // of a curve of no known cause: its heights' tolerance, in typical ones
 };
 
 // The model with the effects as further elements; amounts start at their values.
@@ -26,12 +28,16 @@ struct Ground {
   const Recordings* recordings;  // with covariates and loads
   std::vector<std::size_t> rows;
   int threads = 1;
+  // Where the noise is not stated: divisors of the program's rows, so that what the model as given
+  // leaves of each has unit variance.
+  std::vector<double> scale;
 };
 
 // A fit of a hypothesis to the rows.
 struct Trial {
   std::vector<Accepted> effects;
   std::shared_ptr<const Program> program;  // of the extended model
+  std::vector<double> x;                   // parameters, then shared unknowns
   std::map<std::string, double> values;    // of x by name
   double cost2 = 0;                        // chi-square with the priors of the geometry
   double chi2 = 0;                         // of the rows
@@ -43,6 +49,9 @@ struct TrialOptions {
   int max_iterations = 60;
   bool from_nominal = false;  // geometry starts at its nominal values as well; the better is taken
 };
+
+// Ground::scale, from a calibration of the model itself; empty where the noise is stated.
+std::vector<double> scale_of_rows(const Ground& ground, const Fit& fit);
 
 // The baseline's trial from a calibration of the model itself.
 Trial trial_of(const Ground& ground, const Fit& fit);

@@ -220,6 +220,14 @@ NextPoses Choice::choose() {
     }
     design = with(result.chosen, result.chosen.size());
   }
+  for (std::size_t i = 0; i < result.chosen.size(); ++i) {
+    const Design less = with(result.chosen, i);
+    auto& loss = result.loss.emplace_back(pairs_.size(), 0);
+    for (const std::size_t t : wanted_) {
+      const double all = chi2(design, none, pairs_[t], options_.reach).told;
+      if (all > 0) loss[t] = 1 - chi2(less, none, pairs_[t], options_.reach).told / all;
+    }
+  }
   result.before = result.after = wanted_.empty() ? 0 : INFINITY;
   for (std::size_t t = 0; t < pairs_.size(); ++t) {
     TargetGain& gain = result.targets[t];

@@ -47,6 +47,8 @@ struct NextPoses {
   std::vector<int> chosen;          // of the pool, best first
   double before = 0, after = 0;     // least of chi-square / needed over the attainable targets
   std::vector<TargetGain> targets;  // as asked for
+  std::vector<std::vector<double>> loss;  // [chosen][target]: share of its chi-square that would be
+                                          // lost without the pose; 0 where it is not attainable
 };
 
 // The design so far is the baseline's columns (its priors' rows included) and the candidates'.

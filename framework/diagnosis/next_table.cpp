@@ -1,7 +1,11 @@
 #include "framework/diagnosis/next_table.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+
+#include "framework/calibration/load_columns.h"
 
 namespace talus {
 namespace {
@@ -13,7 +17,9 @@ bool chosen(const Program& program, const std::string& name) {
   const bool group = std::any_of(
       program.unknowns.begin(), program.unknowns.end(),
       [&](const Unknown& u) { return std::find(u.per.begin(), u.per.end(), name) != u.per.end(); });
-  return payload || group || name.starts_with("approach_");
+  const bool gravity =
+      std::find(gravity_columns.begin(), gravity_columns.end(), name) != gravity_columns.end();
+  return payload || group || gravity || name.starts_with("approach_");
 }
 
 void head(Recordings& table, const Program& program, const Pool& pool) {
@@ -43,6 +49,45 @@ void add_to_table(Recordings& table, const Program& program, const Pool& pool,
   for (; at < table.columns.size(); ++at)
     table.columns[at].values.push_back(pool.recordings.find(table.columns[at].name)->values[row]);
   table.lines.push_back(static_cast<int>(table.rows()) + 2);
+}
+
+double pose_number(const Recordings& recordings, std::size_t row) {
+  const RecordedColumn* c = recordings.find("pose");
+  return c && !std::isnan(c->values[row]) ? c->values[row] : static_cast<double>(row + 1);
+}
+
+std::string how_to_record(const Recordings& table, const Program& program, const Pool& pool,
+                          const Origin& origin, const std::set<std::string>& sides) {
+  std::vector<std::string> words;
+  const std::size_t row = table.rows() - 1;
+  if (origin.again >= 0) {
+    const double which = pose_number(pool.recordings, static_cast<std::size_t>(origin.again));
+    words.push_back(
+        fmt::format("pose {:g} again{}", which, origin.other_side ? ", from the other side" : ""));
+  }
+  std::vector<std::string> above, below;
+  for (const RecordedColumn& c : table.columns)
+    if (c.name.starts_with("approach_") && sides.contains(c.name.substr(9)))
+      (c.values[row] > 0 ? below : above).push_back(c.name.substr(9));
+  if (!below.empty()) words.push_back(join(below) + " from below");
+  if (!above.empty()) words.push_back(join(above) + " from above");
+  std::set<std::string> hung;
+  for (const Payload& p : program.payloads) {
+    const RecordedColumn* c = p.column.empty() ? nullptr : table.find(p.column);
+    if (!c || !hung.insert(p.column).second) continue;
+    const std::string what = program.payloads.size() > 1 ? p.column : "payload";
+    words.push_back(c->values[row] > 0 ? fmt::format("with {:.4g} kg", c->values[row]) +
+                                             (what == "payload" ? "" : " of " + what)
+                                       : "without " + what);
+  }
+  const RecordedColumn* x = table.find(gravity_columns[0]);
+  if (origin.mounting >= 0)
+    words.push_back(pool.mountings[static_cast<std::size_t>(origin.mounting)].words);
+  else if (x && !std::isnan(x->values[row]))
+    words.push_back(fmt::format("gravity along {:.2g}, {:.2g}, {:.2g}", x->values[row],
+                                table.find(gravity_columns[1])->values[row],
+                                table.find(gravity_columns[2])->values[row]));
+  return join(words);
 }
 
 }  // namespace talus

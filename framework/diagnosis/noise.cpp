@@ -85,7 +85,7 @@ void whiteness(NoiseVerdict& v, const std::vector<PoseOrder>& orders,
     const Resemblance rows =
         resemblance(sorted, [&](int a, int b) { return poses[a].rows.dot(poses[b].rows); });
     note(rows.z, "");
-    if (order.name == "order") v.correlation = rows.next / squares;
+    if (order.name == "order") v.correlation = rows.next / squares, v.p_order = upper_tail(rows.z);
     for (std::size_t s = 0; s < noise.sources.size(); ++s) {
       const auto i = static_cast<Eigen::Index>(s);
       if (noise.sources[s].sigma > 0)
@@ -204,7 +204,9 @@ NoiseVerdict judge_noise(const Program& program, const Recordings& recordings,
   v.scale = std::sqrt(standard / freedom);
   const double log_upper = log_chi2_tail(squares, freedom - taken);
   v.p = v.scale > 1 ? std::exp(log_upper) : -std::expm1(log_upper);
-  std::vector<PoseOrder> orders = pose_orders(recordings, residuals.poses, {});
+  std::vector<std::string> measured;
+  for (const MeasuredColumn& c : program.columns) measured.push_back(c.name);
+  std::vector<PoseOrder> orders = pose_orders(recordings, residuals.poses, measured);
   for (Eigen::Index i = 0; i < residuals.latent.cols(); ++i) {
     const auto values = residuals.latent.col(i);
     const Unknown& unknown = program.unknowns[groups.latent[i]];
@@ -229,9 +231,9 @@ NoiseVerdict judge_noise(const Program& program, const Recordings& recordings,
     v.heavy = false, v.student.reset();
     v.uneven.clear();
   }
-  std::vector<std::string> measured;
-  for (const Feature& f : program.features) measured.push_back(f.name);
-  say(v, problem.noise_known(), join(measured));
+  std::vector<std::string> features;
+  for (const Feature& f : program.features) features.push_back(f.name);
+  say(v, problem.noise_known(), join(features));
   return v;
 }
 

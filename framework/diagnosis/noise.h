@@ -5,10 +5,10 @@
 //   * scale: sqrt(chi-square / degrees of freedom), 1 as stated;
 //   * tails: d_k^4 has the mean f_k (f_k + 2) for Gaussian noise (Mardia); where it is larger,
 //     tails are heavy, as of Student's t with so many degrees of freedom;
-//   * white: neighbours in the order of recording, in every reading, column and coordinate do not
-//     resemble each other, neither in their rows as a whole nor in what these say of the error of
-//     any one reading or measured row; where they do, something was left out or the noise is
-//     correlated;
+//   * white: neighbours in the order of recording, in every reading and coordinate and in every
+//     column but the measured ones (whose errors are in the order itself) do not resemble each
+//     other, neither in their rows as a whole nor in what these say of the error of any one reading
+//     or measured row; where they do, something was left out or the noise is correlated;
 //   * even: the size of the misfit does not depend on any of these either;
 //   * sources: the covariance of the rows is a sum over readings and measured rows,
 //     C_k = sum_g gamma_g V_gk with gamma = 1 as stated. One source that is noisier than the others
@@ -37,6 +37,7 @@ struct NoiseVerdict {
   std::string unwhite;            // in which order, where it is beyond doubt
   std::string channel;  // and in which sensor's or measure's error; empty: in the rows as a whole
   double correlation = 0;  // of neighbours in the order of recording
+  double p_order = 1;      // that they are as much alike by chance
   double p_even = 1;
   std::string uneven;
   struct Source {

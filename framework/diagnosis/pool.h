@@ -1,17 +1,19 @@
-// Poses that could be recorded next: drawn at random within the sensors' ranges, with the
-// circumstances that a recording would have, and made linear beside the recorded ones, so that
-// next_poses.h can choose among them.
-//
+// What could be recorded next, made linear beside what was recorded, so that next_poses.h can
+// choose:
+//     free poses   drawn at random within the ranges of sensors and unknowns, under circumstances
+//                  that a recording would have: joints approached from either side, the lightest or
+//                  heaviest payload; where loops must close, moved until they do (closing.h)
+//     poses again  some that were recorded, every joint approached from the other side, or with
+//                  another payload: whatever holds the linkage lets it go there
+//     turned       both in other mountings (mountings.h), where asked for
 // Where a model states no range of a sensor or unknown, what was visited is widened: by half its
-// width on both sides, that of a sensor to a third of a turn at least. Payloads are those seen,
-// approaches of both senses where approaches were recorded, the time goes on after the last pose.
-// Unknowns shared by groups are those of the last pose that was fitted; loops are closed.
+// width on both sides, that of a sensor to a third of a turn at least. Payloads are none and the
+// heaviest seen, or the ends of the stated range. The time goes on after the last pose. Only where
+// the recordings have a sense of approach is there one here.
 #pragma once
 
-#include <cstdint>
-
-#include "framework/calibration/settings.h"
 #include "framework/diagnosis/next_poses.h"
+#include "framework/diagnosis/pool_drawing.h"
 #include "framework/diagnosis/stage.h"
 
 namespace talus {
@@ -22,7 +24,11 @@ struct Pool {
   Recordings recordings;                // recorded rows, then those of the pool
   std::vector<std::size_t> rows;        // of `recordings`, of each pose below
   Settings settings;                    // of each pose below
-  Baseline baseline;                    // of the recorded rows
+  std::vector<Origin> origins;          // of each pose below
+  std::vector<Mounting> mountings;
+  std::vector<std::string> loops;     // closures that all poses keep
+  Baseline baseline;                  // of the recorded rows
+  std::vector<std::size_t> recorded;  // row of each pose of the baseline
   Suspects suspects;  // forms over both; their columns are those of the recorded rows
   std::vector<PoolPose> poses;
 };
@@ -30,7 +36,6 @@ struct Pool {
 // `fit_x`: the solution of the calibration of the model (Fit::x); `null` its trial. InputError
 // where the model has a feature that cannot be simulated.
 Pool pool_of(const Ground& ground, const Recordings& recordings, const Trial& null,
-             const std::vector<double>& fit_x, int count, std::uint64_t seed,
-             const SuspectOptions& suspects = {});
+             const std::vector<double>& fit_x, const PoolOptions& options);
 
 }  // namespace talus

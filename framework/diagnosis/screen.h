@@ -63,6 +63,7 @@ struct Score {
   double log_p = 0;      // of the gain by chance, at this change point
   double log_bayes = 0;  // of a form with onset: averaged over its change points
   double visible = 0;    // |X~ D| / |X D|: what the geometry does not absorb
+  double scale = 1;      // of the typical amounts: the one that the rows speak for most
   Eigen::VectorXd estimate, std;  // of the amounts, least squares in what can be seen
 };
 
@@ -128,6 +129,9 @@ class Screen {
   double chi2() const;     // of the rows, all that was accepted taken out
 
   Score score(const Pick& pick) const;
+  // ln of Occam's factor where a fit found these amounts: with half the chi-square that they gained
+  // it makes the Bayes factor, by Laplace's method. Never positive.
+  double occam(const Pick& pick, const Eigen::VectorXd& amounts) const;
   std::vector<Score> scores() const;           // of each form
   std::vector<SuspectScore> suspects() const;  // best first
   std::vector<PoseScore> poses() const;        // of each recorded one, in order

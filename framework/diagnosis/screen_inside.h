@@ -51,6 +51,7 @@ struct Screen::Inside {
   void each(const Eigen::Ref<const Eigen::MatrixXd>& y, F f) const;
   double log_bayes(const Test& test, const Eigen::VectorXd& z, double chi2_of_rows) const;
   double log_p(double explained, double directions, double chi2_of_rows, bool known) const;
+  double likely_scale(const Test& test, const Eigen::VectorXd& z, double left) const;
   Score score(const Test& test, const Eigen::VectorXd& b) const;
 };
 

@@ -50,6 +50,21 @@ double Screen::Inside::log_p(double explained, double directions, double chi2_of
   return log_f_tail(explained / directions / (left / others), directions, others);
 }
 
+// The standard deviation of the amounts, in typical ones, that makes z most likely (marginal
+// likelihood, by half decades).
+double Screen::Inside::likely_scale(const Test& test, const VectorXd& z, double left) const {
+  double best = 1, top = -INFINITY;
+  for (double c = 0.003; c < 20; c *= std::sqrt(10)) {
+    double log = 0;
+    for (Index j = 0; j < z.size(); ++j) {
+      const double ratio = c * c * test.strength[j] * test.strength[j] / left;
+      log += (z[j] * z[j] / left * ratio / (1 + ratio) - std::log1p(ratio)) / 2;
+    }
+    if (log > top) top = log, best = c;
+  }
+  return best;
+}
+
 Score Screen::Inside::score(const Test& t, const VectorXd& b) const {
   Score s;
   const VectorXd z = t.whiten.transpose() * b;
@@ -64,6 +79,11 @@ Score Screen::Inside::score(const Test& t, const VectorXd& b) const {
   const double left =
       noise_known ? 1 : std::max(0.0, chi2 - explained) / std::max(1.0, freedom - t.freedom);
   s.gain = explained / left;
+  if (t.strength.size() > 3) {
+    const double unexplained =
+        std::max(1.0, (chi2 - explained) / std::max(1.0, freedom - t.freedom));
+    s.scale = likely_scale(t, z, unexplained) / std::sqrt(unexplained);
+  }
   s.estimate = t.whiten.leftCols(t.freedom) * seen;
   s.std = t.whiten.leftCols(t.freedom).rowwise().norm() * std::sqrt(left);
   return s;
@@ -73,6 +93,19 @@ Score Screen::score(const Pick& pick) const {
   const Test& t = in_->test(pick);
   const MatrixXd x = in_->columns(pick);
   return in_->score(t, x.transpose() * in_->rest.head(x.rows()));
+}
+
+double Screen::occam(const Pick& pick, const VectorXd& amounts) const {
+  const Test& t = in_->test(pick);
+  const VectorXd typical = in_->candidates.typical(in_->candidates.forms[pick.form].columns);
+  // The amounts' signal along each direction that shows, in sigmas.
+  const VectorXd z = t.strength.cwiseAbs2().cwiseProduct(
+      t.whiten.transpose() * amounts.cwiseQuotient(typical.cwiseAbs2()));
+  std::vector<double> logs;
+  for (Index c = 0; c < t.penalty.size(); ++c)
+    logs.push_back(-t.penalty[c] -
+                   (z.cwiseAbs2().array() * (1 - t.share.col(c).array())).sum() / (2 * in_->noise));
+  return log_sum(logs);
 }
 
 std::vector<Score> Screen::scores() const {

@@ -38,6 +38,7 @@ struct Linearised {
   Eigen::MatrixXd latents;        // poses x unknowns of each pose
   std::vector<std::size_t> rows;  // recorded row of each pose
   std::vector<int> when;
+  std::vector<int> parameters;  // of the program: of each column of the baseline
 };
 Linearised linearised(const Ground& ground, const Trial& trial, const StageOptions& options = {});
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "framework/kinematics/covariates.h"
 #include "framework/kinematics/tape_values.h"
 #include "framework/registry/choices.h"
 
@@ -192,6 +193,8 @@ class Enumerator {
       const EffectPlace& place = program_.places[index];
       EffectPlace here = place;
       here.around.driver = driver;
+      if (!knows(place, Covariate::temperature))
+        here.around.temperature = Expr(usual_value("temperature"));  // says nothing
       std::vector<Expr> inputs;
       for (const Input& i : d.inputs) {
         const auto amount = std::find(way.amounts.begin(), way.amounts.end(), i.name);

@@ -37,7 +37,8 @@ int missing_circumstance(lua_State* L) {
     std::sort(known.begin(), known.end());
     std::string need = name;
     if (need == "force" || need == "moment") need = "load";
-    if (need == "tip_force" || need == "tip_moment" || need == "weight" || need == "span")
+    if (need == "tip_force" || need == "tip_moment" || need == "weight" || need == "span" ||
+        need == "own_moment")
       need = "tip_load";
     const Words covariates = words_of<Covariate>(kCovariates);
     const bool covariate =
@@ -186,6 +187,7 @@ void push_around(lua_State* L, const Around<Expr>& around, const EffectTraits& e
   add3("tip_moment", around.tip_moment, needs(Covariate::tip_load));
   add3("weight", around.weight, needs(Covariate::tip_load));
   add3("span", around.span, needs(Covariate::tip_load));
+  add3("own_moment", around.own_moment, needs(Covariate::tip_load));
   add3("position", around.position, effect.acts == Acts::measured);
   lua_createtable(L, 0, 1);
   lua_pushcfunction(L, missing_circumstance);

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "framework/kinematics/axis_place.h"
 #include "framework/kinematics/compiler.h"
@@ -135,6 +136,7 @@ void Compiler::know(Covariate c, EffectPlace& place, const Place& where) {
     case Covariate::tip_load:
       a.tip_force = vector("tip_f", kForce), a.tip_moment = vector("tip_m", kTorque);
       a.weight = vector("weight_", kForce), a.span = vector("span_", length);
+      a.own_moment = vector("own_m", kTorque);
       break;
   }
   place.known.push_back(c);
@@ -164,13 +166,17 @@ std::vector<Expr> Compiler::corrections(EffectPlace place, const std::vector<std
     if (std::find(names.begin(), names.end(), at) == names.end()) continue;
     const Place where = e->find("at") ? e->find("at")->place : e->place;
     const auto& on = d.effect.on;
-    if (!on.empty() && std::find(on.begin(), on.end(), place.dimension) == on.end())
+    if (!on.empty() && std::find(on.begin(), on.end(), place.dimension) == on.end()) {
+      // All that is measured has one name; of it this acts on what it can.
+      if (place.acts == Acts::measured && at == names.back()) continue;
       throw InputError(where,
                        fmt::format("<{}> does not act on '{}', which is {}", e->tag, at,
                                    describe(place.dimension)),
                        describe(on[0]));
+    }
     placed_[e] = true;
     EffectPlace here = place;
+    const std::size_t before = program_.readings.size();
     for (Covariate c : d.effect.needs) know(c, here, where);
     if (d.effect.driven != Driven::no) here.around.driver = driver(*e);
     std::vector<Expr> values;
@@ -188,6 +194,16 @@ std::vector<Expr> Compiler::corrections(EffectPlace place, const std::vector<std
     }
     const std::vector<Expr> more = plugin.act(here.around, values, choices(*e, d));
     for (int k = 0; k < parts; ++k) sum[k] += more[k];
+    // Circumstances that its amounts do without (a drift with the time alone: the temperature).
+    const auto unused = [&](const Reading& r) {
+      return r.covariate && std::none_of(more.begin(), more.end(), [&](const Expr& e) {
+               const std::vector<int> on = support(e);
+               return std::binary_search(on.begin(), on.end(), r.slot);
+             });
+    };
+    auto& readings = program_.readings;
+    const auto added = readings.begin() + static_cast<std::ptrdiff_t>(before);
+    readings.erase(std::remove_if(added, readings.end(), unused), readings.end());
   }
   if (recorded_) {
     for (Covariate c : {Covariate::approach, Covariate::time, Covariate::session, Covariate::pose,
@@ -258,17 +274,18 @@ Rigid<Expr> Compiler::joint_with_effects(const Element& joint, const Plugin& plu
   return ideal * tip;
 }
 
-// Nothing is measured of a closed loop. Directions are the cosines between the mapped vectors and
-// the instrument's mapped axes where angles are measured, and the mapped vectors themselves where
-// components are.
+// Directions are the cosines between the mapped vectors and the instrument's mapped axes where
+// angles are measured, and the mapped vectors themselves where components are.
 Rigid<Expr> Compiler::as_measured(int feature, const Matrix3<Expr>& R, const Vector3<Expr>& p) {
   const Feature& f = program_.features[feature];
-  if (f.kind == Kind::nothing) return Rigid<Expr>(R, p);
+  if (f.kind == Kind::nothing) return Rigid<Expr>(R, p);  // a closure: nothing is measured
   auto known = deformations_.find(feature);
   if (known == deformations_.end()) {
     EffectPlace place{Acts::measured, "measurement"};
     place.feature = feature;
-    place.around.position = p;
+    const bool direction = f.kind == Kind::direction;
+    place.dimension = direction ? number : length;
+    place.around.position = direction ? column(R, 2) : p;
     known = deformations_.emplace(feature, corrections(place, {f.name, "measurement"})).first;
   }
   return mapped(f, R, p, known->second);
@@ -295,10 +312,11 @@ Rigid<Expr> Compiler::mapped(const Feature& f, const Matrix3<Expr>& R, const Vec
       const Vector3<Expr> axis = map(e);
       turned[i][2] = f.observed.angles ? dot(z, axis) / (size * norm(axis)) : z[i] / size;
     }
-    const Vector3<Expr> seen = column(turned, 2);
-    for (int j = 0; j < 2; ++j) {  // x and y stay across it, to first order
-      const Expr along = dot(column(R, j), seen);
-      for (int i = 0; i < 3; ++i) turned[i][j] = R[i][j] - along * seen[i];
+    // Errors of a direction are told along the axes across it, which turn with it.
+    for (int c = 0; c < 2 && !f.observed.angles; ++c) {
+      const Vector3<Expr> across = column(R, c), along = column(turned, 2);
+      const Expr share = dot(across, along);
+      for (int i = 0; i < 3; ++i) turned[i][c] = across[i] - share * along[i];
     }
   }
   return Rigid<Expr>(turned, map(p));
@@ -320,6 +338,26 @@ void Compiler::check_effects() const {
                                    : "at=\"...\", one of: " + join(names),
                      at ? nearest(at->text, names) : "");
   }
+}
+
+// An effect that could follow several circumstances needs only those of its amounts that are not
+// zero.
+void Compiler::forget_unused_covariates() {
+  std::set<int> used;
+  for (const auto& slots : row_support(program_)) used.insert(slots.begin(), slots.end());
+  auto use = [&](const Expr& e) {
+    for (const int slot : support(e)) used.insert(slot);
+  };
+  for (const Frame& frame : program_.frames)
+    for (const Motion<Expr>& m : frame.motion.motions()) {
+      use(m.amount);
+      for (int i = 0; i < 3; ++i) {
+        use(m.translation[i]);
+        for (int j = 0; j < 3; ++j) use(m.rotation[i][j]);
+      }
+    }
+  std::erase_if(program_.readings,
+                [&](const Reading& r) { return r.covariate && !used.contains(r.slot); });
 }
 
 }  // namespace talus

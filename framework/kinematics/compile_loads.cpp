@@ -86,6 +86,13 @@ void Compiler::payload(const Element& element) {
                      "either column=\"...\", a column of the recordings, or mass=\"2 kg\"");
   if (column) payload.column = column->text;
   if (m) payload.mass = fixed_mass(*m);
+  if (const Attribute* a = element.find("range")) {  // for whoever proposes poses
+    const auto ends = split_list(*a);
+    if (m || ends.size() != 2)
+      throw InputError(a->place, shown(*a), "two masses of a payload with a column: 0, 5 kg");
+    if (!(fixed_mass(ends[0]) < fixed_mass(ends[1])))
+      throw InputError(a->place, shown(*a), "lower below upper");
+  }
   program_.payloads.push_back(std::move(payload));
 }
 

@@ -268,7 +268,7 @@ Program Compiler::run() {
     if (e.tag == "calibrate") calibrate(e), any = true;
   if (!any) default_rows();
   check_effects();
-  if (!recorded_) check_seen();
+  if (!recorded_) check_seen(), forget_unused_covariates();
   check_sigmas();
   return std::move(program_);
 }

@@ -51,6 +51,7 @@ class Compiler {
   Expr driver(const Element& element);
   Rigid<Expr> joint_with_effects(const Element& joint, const Plugin& plugin);
   void check_effects() const;
+  void forget_unused_covariates();
   // What the instrument shows of a feature whose modelled pose is (R, p).
   Rigid<Expr> mapped(const Feature& feature, const Matrix3<Expr>& R, const Vector3<Expr>& p,
                      const std::vector<Expr>& D);

@@ -50,6 +50,7 @@ Loads::Loads(const Program& program)
       tip_(program.frames.size()),
       total_(program.frames.size()),
       links_(program.frames.size()) {
+  if (program.gravity) down_ = vector(program.gravity->direction);
   std::vector<bool> to_holder(program.frames.size());
   for (int f = program.gravity ? program.gravity->held_at : -1; f >= 0;
        f = program.frames[f].parent)
@@ -65,12 +66,13 @@ void Loads::set(std::span<const double> coordinates, std::span<const double> par
                 std::span<const double> payloads) {
   posture_.set(coordinates, parameters);
   std::fill(tip_.begin(), tip_.end(), Wrench{});
-  std::fill(links_.begin(), links_.end(), LinkLoad{{}, {}, Vector3d::Zero(), Vector3d::Zero()});
+  std::fill(links_.begin(), links_.end(),
+            LinkLoad{{}, {}, Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()});
   reaction_ = {};
   const auto& frames = program_->frames;
   Vector3d g = Vector3d::Zero();
   if (const auto& gravity = program_->gravity)
-    g = gravity->magnitude * (posture_.frame(gravity->frame).linear() * vector(gravity->direction));
+    g = gravity->magnitude * (posture_.frame(gravity->frame).linear() * down_);
   for (std::size_t i = 0; i < program_->payloads.size(); ++i) {
     const Payload& payload = program_->payloads[i];
     const double mass = i < payloads.size() ? payloads[i] : payload.mass;
@@ -81,6 +83,7 @@ void Loads::set(std::span<const double> coordinates, std::span<const double> par
     const Isometry3d& T = posture_.frame(link.frame);
     total_[link.frame] += at(T * vector(link.com), link.mass * g);
     links_[link.frame].weight = link.mass * (T.linear().transpose() * g);
+    links_[link.frame].own_moment = vector(link.com).cross(links_[link.frame].weight);
   }
   for (std::size_t f = frames.size(); f-- > 1;) {  // parents stand before their children
     tip_[frames[f].parent] += total_[f];

@@ -35,9 +35,10 @@ struct LinkLoad {
   Wrench axis;  // all that is distal, in the joint's axis frame S (axis_place.h), about its origin;
                 // where nothing moves, in the frame before it
   // In the frame behind it:
-  Wrench tip;              // what is distal of the frame: without the link's own weight
-  Eigen::Vector3d weight;  // the link's own
-  Eigen::Vector3d span;    // from the frame before the joint to this one, mm
+  Wrench tip;                  // what is distal of the frame: without the link's own weight
+  Eigen::Vector3d weight;      // the link's own
+  Eigen::Vector3d own_moment;  // of that weight, about this frame's origin
+  Eigen::Vector3d span;        // from the frame before the joint to this one, mm
 };
 
 class Loads {
@@ -49,6 +50,8 @@ class Loads {
   // order, or those that the model states (zero where a column does).
   void set(std::span<const double> coordinates, std::span<const double> parameters = {},
            std::span<const double> payloads = {});
+  // From the next posture on, gravity points along this vector of its frame instead of the model's.
+  void turn(const Eigen::Vector3d& direction) { down_ = direction.normalized(); }
 
   // By frame; the root's means nothing.
   const LinkLoad& link(int frame) const { return links_[frame]; }
@@ -61,6 +64,7 @@ class Loads {
   void hold();  // finds the reaction and adds it
 
   const Program* program_;
+  Eigen::Vector3d down_ = Eigen::Vector3d::Zero();
   Posture posture_;
   TapeValues places_;                // T_A_S of each frame, twelve numbers
   std::vector<int> free_;            // axes that a coordinate moves, on the way to the holder

@@ -56,7 +56,7 @@ enum class Covariate {
   travel,       // of the reading since its last reversal, absolute
   since,        // s: since the session began
   load,         // static load of the joint: force and moment in its axis frame
-  tip_load      // the same at the link's end, without the link's own weight; span and weight
+  tip_load  // the same at the link's end, without the link's own weight; span, weight, own_moment
 };
 std::string to_string(Covariate covariate);
 
@@ -76,6 +76,7 @@ struct Around {
   T approach{}, time{}, session{}, pose{}, temperature{}, rate{}, travel{}, since{};
   Vector3<T> force{}, moment{};                            // on the joint, axis frame
   Vector3<T> tip_force{}, tip_moment{}, weight{}, span{};  // on the link's end, its own frame
+  Vector3<T> own_moment{};                                 // of the link's weight, about that end
   Vector3<T> position{};                                   // modelled, of the measured feature
 };
 

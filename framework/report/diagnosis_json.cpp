@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "framework/calibration/load_columns.h"
 #include "framework/report/diagnosis_report.h"
 #include "framework/report/json_parts.h"
 
@@ -45,6 +46,31 @@ Json json_of(const Finding& f, const std::vector<Curve>& curves, std::size_t i) 
   return out;
 }
 
+Json json_of(const Suggestion& s, const std::string& file) {
+  Json out{{"suggested", s.wins},
+           {"statement", s.statement},
+           {"expression", s.expression.empty() ? Json(nullptr) : Json(s.expression)},
+           {"circumstance", s.circumstance}};
+  out["parameters"] = Json::array();
+  for (const ShownValue& v : s.values)
+    out["parameters"].push_back(
+        {{"name", v.name}, {"value", value(v.value)}, {"unit", v.unit}, {"std", value(v.std)}});
+  out["odds"] = value(s.choice.odds);
+  out["p_curve_beside"] = value(s.choice.beside_p);
+  if (!s.choice.ranked.empty()) {
+    out["chi2"] = value(s.choice.ranked[0].chi2);
+    out["bic"] = value(s.choice.ranked[0].bic);
+  }
+  out["curve_chi2"] = value(s.choice.curve_chi2);
+  out["curve_bic"] = value(s.choice.curve_bic);
+  out["heldout_rms"] = s.wins ? value(s.fit.heldout_rms) : Json(nullptr);
+  out["tried"] = Json::array();
+  for (std::size_t i = 0; i < s.by.size() && i < 10; ++i)
+    out["tried"].push_back({{"name", s.by[i].first}, {"odds", value(s.by[i].second)}});
+  out["model"] = file.empty() ? Json(nullptr) : Json(file);
+  return out;
+}
+
 Json json_of(const SeenSuspect& s) {
   return Json{{"effect", s.effect},
               {"location", s.location},
@@ -76,6 +102,13 @@ Json poses_of(const NextRecordings& next, const Program& program) {
         if (p.column == c.name)
           pose["payload"][c.name] = {{"value", value(v)}, {"unit", c.unit.text}};
     }
+    if (const RecordedColumn* x = next.table.find(gravity_columns[0]);
+        x && !std::isnan(x->values[k]))
+      for (const char* name : gravity_columns)
+        pose["gravity"].push_back(value(next.table.find(name)->values[k]));
+    pose["how"] = next.poses[k].how;
+    pose["again"] = value(next.poses[k].again);
+    pose["gain"] = value(next.poses[k].gain);
     pose["for"] = "to " + join(next.poses[k].purposes, ", and to ");
     out.push_back(std::move(pose));
   }
@@ -98,6 +131,7 @@ Json gain_of(const NextRecordings& next) {
                               {"told_apart_after", value(t.told_after)},
                               {"attainable", t.attainable}});
   out["ranges_assumed"] = next.assumed;
+  out["mounting"] = next.mounting.empty() ? Json(nullptr) : Json(next.mounting);
   return out;
 }
 
@@ -115,8 +149,12 @@ std::string diagnosis_json(const Diagnosis& d, const Advice& advice, const Repor
            {"verdict", to_string(d.verdict)},
            {"statement", sentence_of(d)}};
   out["findings"] = Json::array();
-  for (std::size_t i = 0; i < d.findings.size(); ++i)
+  for (std::size_t i = 0; i < d.findings.size(); ++i) {
     out["findings"].push_back(json_of(d.findings[i], advice.curves, i));
+    if (i < advice.formulas.size() && advice.formulas[i])
+      out["findings"].back()["formula"] = json_of(
+          *advice.formulas[i], i < files.formula_models.size() ? files.formula_models[i] : "");
+  }
   out["hints"] = Json::array();
   for (std::size_t i = 0; i < d.hints.size(); ++i)
     out["hints"].push_back(json_of(d.hints[i], advice.hint_curves, i));

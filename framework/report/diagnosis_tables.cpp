@@ -151,6 +151,7 @@ std::string next_table(const NextRecordings& next, const UnitSystem& units, bool
       for (std::size_t k = 0; k < signs.size(); ++k) signs[k] += column.values[k] > 0 ? '+' : '-';
       continue;
     }
+    if (column.name.starts_with("gravity.")) continue;  // in words
     const Unit unit = column.unit.text.empty() ? column.unit : units.of(column.unit.dimension);
     const std::string head = column.name + (unit.text.empty() ? "" : "[" + unit.text + "]");
     const std::size_t width = std::max<std::size_t>(8, head.size());
@@ -167,6 +168,32 @@ std::string next_table(const NextRecordings& next, const UnitSystem& units, bool
     if (purposes) out += "  to " + join(next.poses[k].purposes, ", ");
     out += "\n";
   }
+  for (std::size_t k = 0; k < signs.size(); ++k)
+    if (!next.poses[k].how.empty()) out += fmt::format("  {:>4}: {}\n", k + 1, next.poses[k].how);
+  return out;
+}
+
+std::string next_places(const NextRecordings& next, const Program& program) {
+  const bool again = std::none_of(next.poses.begin(), next.poses.end(),
+                                  [](const NextPose& p) { return std::isnan(p.again); });
+  std::string out;
+  if (again)
+    out = "All are poses that were recorded.";
+  else if (!next.loops.empty())
+    out = "Poses close " + join(next.loops) + ", within the sensors' ranges.";
+  else
+    out = "The linkage is taken to be free to go anywhere within its sensors' ranges.";
+  if (program.gravity && program.gravity->held_at >= 0 && next.loops.empty() && !again)
+    out +=
+        fmt::format(" What holds {} has to let it go there: the model does not know where it can.",
+                    program.frames[static_cast<std::size_t>(program.gravity->held_at)].name);
+  if (std::any_of(next.table.columns.begin(), next.table.columns.end(),
+                  [](const RecordedColumn& c) { return c.name.starts_with("approach_"); }))
+    out += " Approach: + from below (the joint's coordinate last grew), - from above.";
+  if (!next.mounting.empty())
+    out += " With " + next.mounting +
+           ", gravity points as gravity.x, gravity.y and gravity.z of the table say: record these "
+           "columns as well. Where they are empty it points as the model says.";
   return out;
 }
 

@@ -56,10 +56,15 @@ class Writer {
     out_ = wrapped(sentence_of(d_), heading(d_.verdict) + ". ", "  ");
     ordinary();
     evidence();
-    for (std::size_t i = 0; i < d_.findings.size(); ++i)
+    for (std::size_t i = 0; i < d_.findings.size(); ++i) {
       finding(d_.findings[i], "Finding", curve(advice_.curves, i));
+      if (i < advice_.formulas.size() && advice_.formulas[i]) formula(*advice_.formulas[i]);
+    }
     for (std::size_t i = 0; i < d_.hints.size(); ++i)
-      finding(d_.hints[i], "Hint, too small to be claimed", curve(advice_.hint_curves, i));
+      finding(d_.hints[i],
+              d_.findings.empty() ? "Hint, too small to be claimed"
+                                  : "Left over at this place, modelled and not claimed",
+              curve(advice_.hint_curves, i));
     moved();
     sensitivity();
     next();
@@ -131,6 +136,23 @@ class Writer {
     if (curve) out_ += curve_plot(*curve);
   }
 
+  void formula(const Suggestion& s) {
+    if (!s.wins) {
+      out_ += wrapped(s.statement, "  ", "  ");
+    } else {
+      out_ += wrapped(s.statement, "  Suggested formula: ", "    ");
+      out_ += wrapped(
+          fmt::format(
+              "{}; residuals of rows held out {:.3g} sigmas with it, {:.3g} with the curve.",
+              values_in_words(s.values), s.fit.heldout_rms, d_.after.heldout_rms),
+          "    ", "    ");
+    }
+    if (!options_.details) return;
+    for (std::size_t i = 0; i < s.by.size() && i < 6; ++i)
+      out_ += fmt::format("  tried: {}, {:.2g} times as likely as the best\n", s.by[i].first,
+                          s.by[i].second);
+  }
+
   void moved() {
     if (d_.findings.empty()) return;
     out_ += "\nCalibrated parameters that had taken up some of it\n" +
@@ -187,7 +209,7 @@ class Writer {
     }
     if (!options_.details && attained.size() > 5)
       out_ += fmt::format("  - and {} more (--details)\n", attained.size() - 5);
-    std::string held = "The linkage is taken to be free to go anywhere within its sensors' ranges.";
+    std::string held = next_places(n, *d_.program);
     if (!n.assumed.empty())
       held +=
           " The model states none of " + join(n.assumed) +
@@ -207,6 +229,10 @@ class Writer {
           "  talus diagnose {} {}    is anything else missing?\n",
           quoted(model), quoted(context_.recordings_file), quoted(model),
           quoted(context_.recordings_file));
+    for (const std::string& file : files_.formula_models)
+      if (!file.empty())
+        out_ += fmt::format("  talus calibrate {} {}    the formula instead of the curve\n",
+                            quoted(file), quoted(context_.recordings_file));
     if (!files_.next_poses.empty())
       out_ += fmt::format("  talus simulate {} --poses {}    what these poses should measure\n",
                           quoted(model), quoted(files_.next_poses));

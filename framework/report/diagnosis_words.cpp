@@ -39,9 +39,11 @@ std::string figure_with_std(double value, double std) {
   return fmt::format("{:.{}f} ± {:.{}f}", value, d, std, d);
 }
 
-std::string values_in_words(const Finding& f) {
+std::string values_in_words(const Finding& f) { return values_in_words(f.parameters); }
+
+std::string values_in_words(const std::vector<ShownValue>& values) {
   std::vector<std::string> words;
-  for (const ShownValue& v : f.parameters)
+  for (const ShownValue& v : values)
     words.push_back(fmt::format("{} {}{}", spoken(v.name), figure_with_std(v.value, v.std),
                                 v.unit.empty() || v.unit == "1" ? "" : " " + v.unit));
   return join(words, ", ");
@@ -66,6 +68,11 @@ std::string sentence_of(const Finding& f) {
 
 std::string sentence_of(const HeldOut& h, const Fit& baseline) {
   if (h.poses == 0) return "";
+  if (h.before == h.after)
+    return fmt::format(
+        "On {} poses that took no part, residuals are {:.3g} sigmas; {:.2g} is what "
+        "the instruments explain.",
+        h.poses, h.before, baseline.expected_rms);
   return fmt::format(
       "On {} poses that took no part, residuals fall from {:.3g} to {:.3g} sigmas (95 % interval "
       "{:.3g} to {:.3g}; {:.2g} is what the instruments explain); by chance: {}.",
@@ -92,6 +99,7 @@ std::string verdict_of(const Diagnosis& d) {
   std::vector<std::string> all;
   for (const Finding& f : d.findings) all.push_back(what(f));
   const std::string names = join(all, " and ");
+  const std::string withdrawn = d.withdrawn ? std::string(" ") + kWithdrawn : "";
   switch (d.verdict) {
     case Verdict::nothing_missing:
       if (!d.hints.empty())
@@ -104,6 +112,10 @@ std::string verdict_of(const Diagnosis& d) {
             d.hints[0].sigmas);
       return "Nothing is missing that these recordings could show.";
     case Verdict::explained:
+      if (!d.hints.empty())
+        return "The model left out " + names +
+               ". Its formula does not hold to the last: what it leaves at its place is modelled "
+               "as well, and not claimed.";
       if (d.after.noise_known && d.after.chi2_p < 1e-3)
         return fmt::format(
             "The model left out {}; with it, residuals are {:.2g} times the stated noise: a little "
@@ -120,7 +132,7 @@ std::string verdict_of(const Diagnosis& d) {
       }
       if (words.empty()) return d.statement;
       return "Something is missing, and these recordings do not settle what: " +
-             join(words, "; and ") + ".";
+             join(words, "; and ") + "." + withdrawn;
     }
     case Verdict::unknown_physics: {
       std::vector<std::string> places;
@@ -128,7 +140,7 @@ std::string verdict_of(const Diagnosis& d) {
         if (std::find(places.begin(), places.end(), f.location) == places.end())
           places.push_back(f.location);
       return "Physics that is none of the known effects acts at " + join(places, " and ") +
-             ": its shape is given, not its cause.";
+             ": its shape is given, not its cause." + withdrawn;
     }
     case Verdict::bad_data:
       return d.statement;

@@ -6,28 +6,47 @@ namespace {
 
 constexpr double kShortest = 20;  // mm: what is shorter is a joint's body rather than a beam
 
-// Cantilever from the frame before the joint to the frame behind it, of one flexibility 1/(EI) in
-// all directions across; own weight evenly spread (Euler and Bernoulli):
-// deflection F L^3/3 + M L^2/2 + W L^3/8, slope F L^2/2 + M L + W L^2/6, each times 1/(EI).
+// Cantilever from the frame before the joint to the frame behind it (Euler and Bernoulli):
+// deflection F L^3/3 + M L^2/2 + W L^3/8, slope F L^2/2 + M L + W L^2/6, each times 1/(EI). The own
+// weight W is evenly spread along the line from joint to joint. Where it lies beside that line its
+// moment N is spread as well: deflection N L^2/3, slope N L/2, times a flexibility of its own.
+// An oval section is softer one way across than the other.
 template <class T>
-Twist<T> cantilever(const Around<T>& around, T flexibility) {
+Twist<T> cantilever(const Around<T>& around, T flexibility, T beside, T oval) {
   const Vector3<T>& s = around.span;
   const T L2 = dot(s, s) + T(1e-12), L = safe_sqrt(L2), slender = less(T(kShortest), L);
   auto across = [&](const Vector3<T>& v) {
     const T along = dot(v, s) / L2;
     return Vector3<T>{v[0] - along * s[0], v[1] - along * s[1], v[2] - along * s[2]};
   };
-  const Vector3<T> F = across(around.tip_force), M = across(around.tip_moment),
-                   W = across(around.weight);
-  // A moment M about an axis across bends the end along M x s; a force F turns it about s x F.
-  const Vector3<T> by_moment = cross(M, s), by_force = cross(s, F), by_weight = cross(s, W);
+  // Flexibility that way: along an axis of the link's frame, nothing on the line itself.
+  auto softened = [&](const Vector3<T>& v, T even) {
+    Vector3<T> u;
+    for (int i = 0; i < 3; ++i) {
+      const T &a = s[(i + 1) % 3], &b = s[(i + 2) % 3];
+      u[i] = v[i] * (even + oval * (a * a - b * b) / L2);
+    }
+    return across(u);
+  };
+  // A moment M about an axis across bends the end along M x s.
+  const Vector3<T> half{s[0] / T(2), s[1] / T(2), s[2] / T(2)}, swung = cross(half, around.weight);
+  Vector3<T> own;
+  for (int i = 0; i < 3; ++i) own[i] = around.own_moment[i] + swung[i];
+  const Vector3<T> F = softened(across(around.tip_force), flexibility),
+                   W = softened(across(around.weight), flexibility),
+                   M = softened(cross(around.tip_moment, s), flexibility);
+  const Vector3<T> N = cross(own, s);
+  Vector3<T> slope;
   Twist<T> twist;
   for (int i = 0; i < 3; ++i) {
-    twist.translation[i] = slender * flexibility *
-                           (F[i] * L2 * L / T(3) + by_moment[i] * L / T(2) + W[i] * L2 * L / T(8));
-    twist.rotation[i] =
-        slender * flexibility * (by_force[i] * L / T(2) + M[i] * L + by_weight[i] * L / T(6));
+    const T n = beside * N[i];
+    twist.translation[i] =
+        slender * (F[i] * L2 * L / T(3) + M[i] * L / T(2) + W[i] * L2 * L / T(8) + n * L / T(3));
+    slope[i] = F[i] * L / T(2) + M[i] / L + W[i] * L / T(6) + n / (T(2) * L);
   }
+  // Displaced that way, the end turns about s x that way.
+  const Vector3<T> turn = cross(s, slope);
+  for (int i = 0; i < 3; ++i) twist.rotation[i] = slender * turn[i];
   return twist;
 }
 
@@ -35,14 +54,22 @@ struct LinkBending {
   static Declaration declaration() {
     return effect("link_bending", Acts::link, "link bends as a cantilever of flexibility 1/(EI)")
         .amount("flexibility", number / (torque * length), 0.1 / 1e9, "1/(EI)")
+        .amount("beside", number / (torque * length), 0.1 / 1e9,
+                "1/(EI) for the moment of its own weight where that lies beside its line")
+        .amount("oval", number / (torque * length), 0.03 / 1e9,
+                "how much softer it is along one axis of its frame than along the other")
+        .form({"flexibility"})
+        .form({"flexibility", "beside", "oval"})
         .usual_size(0.1, 0.03 * deg)
         .shown(renamed("flexibility", "flexibility", "1/(N*m^2)"))
+        .shown(renamed("beside", "beside", "1/(N*m^2)"))
+        .shown(renamed("oval", "oval", "1/(N*m^2)"))
         .needs(Covariate::tip_load)
         .reference("Euler-Bernoulli beam");
   }
   template <class T>
-  static Twist<T> act(const Around<T>& around, T flexibility) {
-    return cantilever(around, flexibility);
+  static Twist<T> act(const Around<T>& around, T flexibility, T beside, T oval) {
+    return cantilever(around, flexibility, beside, oval);
   }
 };
 TALUS_PLUGIN(LinkBending)
@@ -62,7 +89,7 @@ struct Creep {
   template <class T>
   static Twist<T> act(const Around<T>& around, T flexibility, T tau) {
     using std::log;
-    return cantilever(around, flexibility * log(T(1) + around.since / tau));
+    return cantilever(around, flexibility * log(T(1) + around.since / tau), T(0), T(0));
   }
 };
 TALUS_PLUGIN(Creep)

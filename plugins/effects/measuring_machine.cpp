@@ -61,6 +61,7 @@ struct ProbeRadius {
   static Declaration declaration() {
     return effect("probe_radius", Acts::measured,
                   "distances from the origin too long by a constant: radius error of the probe")
+        .on(length)
         .amount("radius", length, 0.003, "error of the radius")
         .reference("ISO 10360-5");
   }
@@ -76,6 +77,7 @@ TALUS_PLUGIN(ProbeRadius)
 struct WireSag {
   static Declaration declaration() {
     return effect("wire_sag", Acts::measured, "draw wire sags: length L grows by sag L^3")
+        .on(length)
         .amount("sag", number / (length * length), 1e-10, "w^2 / (24 H^2)");
   }
   template <class T>

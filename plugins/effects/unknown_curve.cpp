@@ -77,17 +77,22 @@ struct UnknownReadingDrift {
 TALUS_PLUGIN(UnknownReadingDrift)
 
 // Along or about an axis of the joint's axis frame, as a curve of the joint's own coordinate.
-struct UnknownShift {
+template <bool turns>
+struct UnknownMotion {
   static Declaration declaration() {
+    const std::string moves = turns ? "turns about" : "shifts along";
     return curve(
-               effect("unknown_shift", Acts::axis,
-                      "axis shifts along `direction` as a smooth curve of the joint's coordinate"),
-               length, false, 0, 0.05)
+               effect(turns ? "unknown_tilt" : "unknown_shift", Acts::axis,
+                      "axis " + moves + " `direction` as a smooth curve of the joint's coordinate"),
+               turns ? angle : length, false, 0.05 * deg, 0.05)
         .setting("from", angle, 0, {}, "coordinate at which the curve begins")
         .setting("to", angle, 1, {}, "coordinate at which it ends")
         .setting("pieces", number, 6, {}, "pieces between them")
         .on(angle)
-        .choice("direction", {"x", "y", "z"}, "axis of the joint's axis frame");
+        .choice(
+            "direction",
+            turns ? std::vector<std::string>{"x", "y"} : std::vector<std::string>{"x", "y", "z"},
+            "axis of the joint's axis frame");
   }
   template <class T>
   static Twist<T> act_on_list(const Around<T>& around, const std::vector<T>& inputs,
@@ -95,33 +100,13 @@ struct UnknownShift {
     Twist<T> twist;
     for (auto* v : {&twist.translation, &twist.rotation})
       for (T& t : *v) t = T(0);
-    twist.translation[choices[0]] = height(around.coordinate, inputs);
+    (turns ? twist.rotation : twist.translation)[choices[0]] = height(around.coordinate, inputs);
     return twist;
   }
 };
+using UnknownShift = UnknownMotion<false>;
+using UnknownTilt = UnknownMotion<true>;
 TALUS_PLUGIN(UnknownShift)
-
-struct UnknownTilt {
-  static Declaration declaration() {
-    return curve(effect("unknown_tilt", Acts::axis,
-                        "axis turns about `direction` as a smooth curve of the joint's coordinate"),
-                 angle, false, 0.05 * deg, 0)
-        .setting("from", angle, 0, {}, "coordinate at which the curve begins")
-        .setting("to", angle, 1, {}, "coordinate at which it ends")
-        .setting("pieces", number, 6, {}, "pieces between them")
-        .on(angle)
-        .choice("direction", {"x", "y"}, "axis of the joint's axis frame");
-  }
-  template <class T>
-  static Twist<T> act_on_list(const Around<T>& around, const std::vector<T>& inputs,
-                              const std::vector<int>& choices) {
-    Twist<T> twist;
-    for (auto* v : {&twist.translation, &twist.rotation})
-      for (T& t : *v) t = T(0);
-    twist.rotation[choices[0]] = height(around.coordinate, inputs);
-    return twist;
-  }
-};
 TALUS_PLUGIN(UnknownTilt)
 
 }  // namespace

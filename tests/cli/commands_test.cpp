@@ -194,6 +194,32 @@ joint "nod" { theta = coordinate(angle), reach = length(0),
   CHECK(contains(command(folder, "plugins nod --plugin nod.lua").out, "nod.lua"));
 }
 
+TEST_CASE("what is registered is told as JSON, with all that a script needs to write an effect") {
+  const Folder folder;
+  auto plugin = [&](const std::string& name) {
+    const Run run = command(folder, "plugins " + name + " --json -");
+    REQUIRE(run.code == 0);
+    const json all = json::parse(run.out).at("plugins");
+    REQUIRE(all.size() == 1);
+    return all[0];
+  };
+  const json coupled = plugin("coupled_motion");
+  CHECK(coupled.at("acts") == "axis");
+  CHECK(coupled.at("forms") == json::parse(R"([{"amounts": ["ratio"], "driven": "other"},
+                        {"amounts": ["lead"], "driven": "any"}])"));
+  const json wobble = plugin("axis_tilt_wobble");
+  CHECK(wobble.at("inputs")[0].at("typical").get<double>() == doctest::Approx(0.05));
+  CHECK(wobble.at("inputs")[0].at("unit") == "deg");
+  const json play = plugin("backlash");  // of a reading in deg, or in mm
+  CHECK(play.at("inputs")[0].at("unit") == "deg");
+  CHECK(play.at("inputs")[0].at("length").at("unit") == "mm");
+  CHECK(plugin("encoder").at("reading") == "deg");
+  const Run all = command(folder, "plugins --json all.json");
+  CHECK(all.code == 0);
+  CHECK(all.out.empty());
+  CHECK(command(folder, "plugins dhh --json -").code == 2);
+}
+
 TEST_CASE("the output does not depend on the number of threads") {
   const RecordedFolder folder(shipped("ankle-storey-2006/model.xml"), 900);
   auto report = [&](const char* threads) {

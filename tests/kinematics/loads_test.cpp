@@ -121,6 +121,7 @@ TEST_CASE("an arm of two links and a payload by hand") {
   CHECK(near(second.tip.moment, Vector3d::Zero(), 1));
   CHECK(near(second.weight, moon * Vector3d(-s12, -c12, 0), moon));
   CHECK(near(second.span, {200, 0, 0}, 200));
+  CHECK(near(second.own_moment, {0, 0, 100 * moon * c12}, moon));
   // Three times the payload.
   loads.set(std::vector<double>{q1, q2}, {}, std::vector<double>{1.5});
   CHECK(loads.link(2).axis.moment.z() == doctest::Approx(-moon * (100 + 1.5 * 200) * c12));

@@ -37,9 +37,10 @@ struct Diagnosed {
   Advice advice;
 };
 
-// `d` with its model.
-inline Diagnosed diagnosed(Diagnosed d, Recordings recordings,
+inline Diagnosed diagnosed(Model model, Recordings recordings,
                            const std::vector<std::string>& only = {}) {
+  Diagnosed d;
+  d.model = std::move(model);
   d.recordings = std::move(recordings);
   d.split = random_split(d.recordings, 1);
   DiagnosisOptions options;
@@ -50,22 +51,16 @@ inline Diagnosed diagnosed(Diagnosed d, Recordings recordings,
   d.advice = advise(d.model, d.registry, d.diagnosis, advice);
   return d;
 }
-inline Diagnosed diagnosed(const std::string& model, Recordings recordings,
-                           const std::vector<std::string>& only = {}) {
-  Diagnosed d;
-  d.model = read_model(model, d.registry);
-  return diagnosed(std::move(d), std::move(recordings), only);
-}
-inline Diagnosed diagnosed(const Model& model, Recordings recordings,
-                           const std::vector<std::string>& only = {}) {
-  Diagnosed d;
-  d.model = model;
-  return diagnosed(std::move(d), std::move(recordings), only);
-}
 
 // "effect@location" of the only finding; empty where there is none or more than one.
 inline std::string named(const Diagnosis& d) {
   return d.findings.size() == 1 ? d.findings[0].effect + "@" + d.findings[0].location : "";
+}
+
+inline Diagnosed diagnosed(const std::string& file, Recordings recordings,
+                           const std::vector<std::string>& only = {}) {
+  Registry registry = Registry::built_in();
+  return diagnosed(read_model(file, registry), std::move(recordings), only);
 }
 
 }  // namespace talus::testing

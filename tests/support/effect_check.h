@@ -99,6 +99,7 @@ struct Circumstances {
     for (Vector3<Expr>* v : {&around.tip_force, &around.tip_moment, &around.weight})
       add3(*v, force, needs(Covariate::tip_load));
     add3(around.span, length, needs(Covariate::tip_load));
+    add3(around.own_moment, torque, needs(Covariate::tip_load));
     add3(around.position, length, acts == Acts::measured);
   }
 };
