@@ -93,7 +93,9 @@ void Problem::Inside::solve_latent(Bench& bench, int b) {
           g[i] += (bench.state[i * lanes + l] - latent_prior[i].value) / (t * t);
         }
       }
-      for (int i = 0; i < n; ++i) H(i, i) += lambda[l] * H(i, i) + 1e-300;
+      // More unknowns than rows: the shortest move.
+      const double least = n > m ? 1e-10 * H.diagonal().maxCoeff() : 0;
+      for (int i = 0; i < n; ++i) H(i, i) += lambda[l] * H(i, i) + least + 1e-300;
       const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 8, 1> move = -H.ldlt().solve(g);
       const double gain = -g.dot(move);
       if (!(gain > 1e-24 * cost[l]) || !move.allFinite()) {

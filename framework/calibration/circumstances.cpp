@@ -58,6 +58,22 @@ std::vector<double> approaches(const Program& program, const std::string& joint,
   return result;
 }
 
+// The columns by which rows are grouped, that no sensor has: those of shared unknowns, then those
+// of what is held out together.
+std::vector<std::string> group_columns(const Program& program) {
+  std::vector<std::string> names;
+  auto add = [&](const std::string& name) {
+    const bool read = std::any_of(program.readings.begin(), program.readings.end(),
+                                  [&](const Reading& r) { return r.column == name; });
+    if (!read && name != "pose" && std::find(names.begin(), names.end(), name) == names.end())
+      names.push_back(name);
+  };
+  for (const Unknown& u : program.unknowns)
+    for (const std::string& name : u.per) add(name);
+  for (const std::string& name : program.settings.groups) add(name);
+  return names;
+}
+
 // Recorded columns that the program's covariates are or follow from, payloads first to last.
 std::vector<std::pair<std::string, Dimension>> wanted(const Program& program) {
   std::set<std::string> names;
@@ -87,9 +103,8 @@ std::vector<std::pair<std::string, Dimension>> wanted(const Program& program) {
 }
 
 bool is_coordinate(const Program& program, const std::string& column) {
-  return std::any_of(program.readings.begin(), program.readings.end(), [&](const Reading& r) {
-    return !r.covariate && r.column == column;
-  });
+  return std::any_of(program.readings.begin(), program.readings.end(),
+                     [&](const Reading& r) { return !r.covariate && r.column == column; });
 }
 
 // All that a table of poses may say beside readings and unknowns.
@@ -138,8 +153,10 @@ Recordings with_derived(const Program& program, const Recordings& recordings,
 }
 
 Settings with_circumstances(const Program& program, Settings settings, const Recordings* table) {
-  const bool needed = std::any_of(program.readings.begin(), program.readings.end(),
-                                  [](const Reading& r) { return r.covariate; });
+  const std::vector<std::string> groups = group_columns(program);
+  const bool needed =
+      !groups.empty() || std::any_of(program.readings.begin(), program.readings.end(),
+                                     [](const Reading& r) { return r.covariate; });
   if ((!needed && !table) || !settings.circumstances.empty()) return settings;
   const std::size_t rows = settings.poses.size();
   Recordings made;
@@ -179,6 +196,17 @@ Settings with_circumstances(const Program& program, Settings settings, const Rec
     for (const auto& [name, dimension] : circumstances(program))  // recorded, whether needed or not
       if (table->find(name) && !made.find(name) && !is_coordinate(program, name))
         add(name, dimension, table->get(name, dimension).values);
+  for (const std::string& name : groups) {
+    const bool shared =
+        std::any_of(program.unknowns.begin(), program.unknowns.end(), [&](const Unknown& u) {
+          return std::find(u.per.begin(), u.per.end(), name) != u.per.end();
+        });
+    if (made.find(name)) continue;
+    if (table && table->find(name))
+      add(name, number, table->get(name, number).values);
+    else
+      add(name, number, numbers(1, shared ? 0 : 1));
+  }
   settings.circumstances = made.columns;
 
   for (std::size_t i = 0; i < program.readings.size(); ++i) {  // what they follow from

@@ -23,9 +23,10 @@ bool depends_on_loads(const Program& program);
 
 // The settings with values for all covariates: from the table's columns; where it has none, poses
 // are counted from 1 and 30 s apart, in session 1, at 20 degC, each joint approached in the sense
-// of its last move, payloads as the model says or zero. Those that a recording would contain, and
-// those that the table has, are in Settings::circumstances as well. Settings that have these are
-// returned as they are.
+// of its last move, payloads as the model says or zero; rows of one group where an unknown is
+// shared by groups, each row its own group where groups are held out. Those that a recording would
+// contain, and those that the table has, are in Settings::circumstances as well. Settings that have
+// these are returned as they are.
 Settings with_circumstances(const Program& program, Settings settings,
                             const Recordings* table = nullptr);
 

@@ -70,7 +70,7 @@ std::vector<Row> rows_with_columns(const Program& program, const Recordings& rec
 
 // Which coordinates are to be solved for.
 std::vector<bool> wanted(const Program& program, const Recordings& recordings,
-                         const std::vector<Coordinate>& list) {
+                         const std::vector<Coordinate>& list, bool determined) {
   std::set<int> seen;
   const auto support = row_support(program);
   for (const auto& slots : support) seen.insert(slots.begin(), slots.end());
@@ -95,13 +95,23 @@ std::vector<bool> wanted(const Program& program, const Recordings& recordings,
         *std::find_if(list.begin(), list.end(), [](const Coordinate& c) { return !c.covariate; });
     recordings.get(first.column, first.dimension);
   }
-  if (count > static_cast<int>(program.rows.size()))
+  if (determined && count > static_cast<int>(program.rows.size()))
     throw InputError(
         {recordings.file, recordings.header_line, 0},
         fmt::format("{} coordinates are missing, and the measured features give {} residuals",
                     count, program.rows.size()),
         "columns of the sensors or unknowns, or more measured features");
   return result;
+}
+
+// Poses x the coordinates of these numbers.
+Eigen::MatrixXd picked(const Settings& settings, const std::vector<std::size_t>& index) {
+  Eigen::MatrixXd values(settings.poses.size(), index.size());
+  for (std::size_t k = 0; k < settings.poses.size(); ++k)
+    for (std::size_t j = 0; j < index.size(); ++j)
+      values(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(j)) =
+          settings.poses[k][index[j]];
+  return values;
 }
 
 struct Solution {
@@ -118,13 +128,14 @@ bool better(const Solution& a, const Solution& b) {
 
 }  // namespace
 
-Recovered recover(Program& program, const Recordings& recordings, Reach reach, int threads) {
+Recovered recover(Program& program, const Recordings& recordings, Reach reach, int threads,
+                  const Settings* near, int attempts) {
   const std::vector<Coordinate> list = coordinates(program);
   const std::vector<Reading> readings = program.readings;
   const std::vector<Unknown> unknowns = program.unknowns;
   const Rearranged guard(program);
   program.rows = rows_with_columns(program, recordings);
-  const std::vector<bool> solve = wanted(program, recordings, list);
+  const std::vector<bool> solve = wanted(program, recordings, list, !near);
 
   Recovered result;
   std::vector<std::size_t> index;  // of the coordinates solved for
@@ -176,12 +187,14 @@ Recovered recover(Program& program, const Recordings& recordings, Reach reach, i
   const Plan plan = plan_for(program, groups, options);
   std::vector<Solution> best(rows.size());
   std::mt19937_64 random(1);
-  for (int attempt = 0; attempt < (reach != Reach::nearest ? 40 : 8); ++attempt) {
+  if (attempts == 0) attempts = reach != Reach::nearest ? 40 : 8;
+  for (int attempt = 0; attempt < attempts; ++attempt) {
     if (attempt > 0)
       for (std::size_t j = 0; j < index.size(); ++j)
         program.unknowns[j].start.value =
             std::uniform_real_distribution<double>(scatter[j].first, scatter[j].second)(random);
     Problem problem(program, plan, recordings, rows, groups, options);
+    if (attempt == 0 && near) problem.set_latents(picked(*near, index));
     const Problem::Residuals r = problem.residuals({});
     for (std::size_t k = 0; k < rows.size(); ++k) {
       const auto row = static_cast<Eigen::Index>(k);
@@ -205,7 +218,7 @@ Recovered recover(Program& program, const Recordings& recordings, Reach reach, i
   }
   double squares = 0, count = 0;
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    const bool complete = best[k].rows >= static_cast<int>(index.size());
+    const bool complete = best[k].rows >= static_cast<int>(near ? 1 : index.size());
     const Place place{recordings.file, recordings.lines[k], 0};
     if (reach == Reach::exactly && !complete)
       throw InputError(place, "this pose lacks measured values");

@@ -33,8 +33,11 @@ struct Recovered {
   std::size_t count(How which) const;
 };
 
-// `program` is changed while this runs and is as before afterwards.
-Recovered recover(Program& program, const Recordings& recordings, Reach reach, int threads);
+// `program` is changed while this runs and is as before afterwards. With `near` (a setting for each
+// row) what is to be found is looked for from there first, and there may be more of it than
+// residuals determine: then the nearest is taken. `attempts`: starts, at most; 0: as usual.
+Recovered recover(Program& program, const Recordings& recordings, Reach reach, int threads,
+                  const Settings* near = nullptr, int attempts = 0);
 
 // Settings to simulate: where a sensor's reading is missing, the poses are to be reached exactly;
 // unknowns alone are found as a calibration finds them.

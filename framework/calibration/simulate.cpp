@@ -92,14 +92,15 @@ Recordings simulate(const Program& program, const Settings& given, const Simulat
                                            program.readings[i].sigma * gauss());
     }
     for (std::size_t f = 0; f < program.features.size(); ++f) {
-      const std::vector<double> shown = show(program.features[f], chains[f](slots), gauss);
-      if (shown.size() != program.features[f].columns.size())
-        throw InputError(program.features[f].place,
-                         fmt::format("feature '{}' cannot be simulated: it measures {} columns",
-                                     program.features[f].name, program.features[f].columns.size()),
-                         fmt::format("{} columns, as a {} has", shown.size(),
-                                     to_string(program.features[f].kind)));
-      for (double v : shown) out.columns[next++].values.push_back(v);
+      const Feature& feature = program.features[f];
+      const std::vector<double> values = show(feature, chains[f](slots), gauss);
+      if (values.size() != feature.columns.size())
+        throw InputError(
+            feature.place,
+            fmt::format("feature '{}' cannot be simulated: it measures {} columns", feature.name,
+                        feature.columns.size()),
+            fmt::format("{} columns, as a {} has", values.size(), to_string(feature.kind)));
+      for (double v : values) out.columns[next++].values.push_back(v);
     }
   }
   out.columns.insert(out.columns.begin() + 1, settings.circumstances.begin(),

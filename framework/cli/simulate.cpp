@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "framework/calibration/circumstances.h"
+#include "framework/calibration/closing.h"
 #include "framework/calibration/simulate.h"
 #include "framework/cli/commands.h"
 
@@ -15,6 +17,57 @@ struct Options {
   double noise = 1;
 };
 
+// Does the grid say what this coordinate is?
+bool is_named(const std::string& grid, const std::string& name) {
+  for (std::size_t at = 0; at < grid.size();) {
+    const std::size_t end = std::min(grid.find(';', at), grid.size());
+    std::string word = grid.substr(at, std::min(grid.find('=', at), end) - at);
+    std::erase(word, ' ');
+    if (word == name) return true;
+    at = end + 1;
+  }
+  return false;
+}
+
+// Settings in which the loops are closed: drawn, or with what the grid or the table says.
+Settings closed_settings(Program& program, const std::optional<Settings>& drawn, const Options& o) {
+  ClosingOptions options;
+  options.noise = o.noise, options.seed = o.common.seed, options.threads = o.common.thread_count();
+  const std::vector<Coordinate> list = coordinates(program);
+  options.held.assign(list.size(), false);
+  if (drawn && o.grid.empty()) {
+    const int count = static_cast<int>(drawn->poses.size());
+    Settings settings = random_closed_settings(program, count, options);
+    if (const int found = static_cast<int>(settings.poses.size()); found < count)
+      fmt::print(stderr, "Warning: only {} of {} postures were found that close the loops.\n",
+                 found, count);
+    return settings;
+  }
+  options.attempts = 40;
+  Recordings table;
+  Settings settings;
+  if (drawn) {
+    settings = *drawn;
+    for (std::size_t i = 0; i < list.size(); ++i) options.held[i] = is_named(o.grid, list[i].name);
+  } else {
+    table = read_recordings(o.poses);
+    for (const MeasuredColumn& c : program.columns)
+      if (table.find(c.name))  // postures that reach what was measured
+        return with_circumstances(program, settings_from(program, table, options.threads), &table);
+    options.table = &table;
+    settings = random_settings(program, static_cast<int>(table.rows()), o.common.seed);
+    for (std::size_t i = 0; i < list.size(); ++i)
+      if ((options.held[i] = table.find(list[i].column) != nullptr))
+        for (std::size_t k = 0; k < table.rows(); ++k)
+          settings.poses[k][i] = table.get(list[i].column, list[i].dimension).values[k];
+  }
+  Closed closed = close_loops(program, std::move(settings), options);
+  if (const auto open = std::count(closed.reached.begin(), closed.reached.end(), false))
+    fmt::print(stderr, "Warning: in {} of {} postures the loops cannot be closed.\n", open,
+               closed.reached.size());
+  return std::move(closed.settings);
+}
+
 void run(const Options& o) {
   check_writable(o.file);
   check_writable(o.points);
@@ -25,7 +78,9 @@ void run(const Options& o) {
   Registry registry = o.common.registry();
   Program program = compile(open_model(o.model, registry, o.common), registry);
   std::optional<Settings> settings = drawn_settings(program, o.poses, o.grid, o.common.seed);
-  if (!settings) {
+  if (has_loops(program)) {
+    settings = closed_settings(program, settings, o);
+  } else if (!settings) {
     const Recordings table = read_recordings(o.poses);
     settings =
         with_circumstances(program, settings_from(program, table, o.common.thread_count()), &table);

@@ -94,12 +94,16 @@ class Blind {
 
   std::string scale() const {
     MatrixXd signal = MatrixXd::Zero(null_.columns.rows(), 1);
+    double parts = 0;
     for (const EffectPlace& place : null_.program->places)
       if (place.acts == Acts::measured)
-        signal += field(place, 0) + field(place, 4) + field(place, 8);
-    if (signal.isZero(0))
+        for (const int axis : {0, 4, 8}) {
+          signal += field(place, axis);
+          parts += field(place, axis).squaredNorm();
+        }
+    if (signal.squaredNorm() <= 1e-20 * parts)  // directions only: the three cancel
       return "A common scale error of the measurement and a common factor of all lengths are the "
-             "same thing; here no coordinates are measured that could be scaled.";
+             "same thing; here no lengths are measured that could be scaled.";
     const Left left = left_of(signal);
     std::string text =
         "A common scale error of the measured coordinates and a common factor of all lengths are "

@@ -2,7 +2,7 @@
 // choose:
 //     free poses   drawn at random within the ranges of sensors and unknowns, under circumstances
 //                  that a recording would have: joints approached from either side, the lightest or
-//                  heaviest payload; where loops must close, moved until they do (closed_loops.h)
+//                  heaviest payload; where loops must close, moved until they do (closing.h)
 //     poses again  some that were recorded, every joint approached from the other side, or with
 //                  another payload: whatever holds the linkage lets it go there
 //     turned       both in other mountings (mountings.h), where asked for

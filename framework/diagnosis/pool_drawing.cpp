@@ -5,9 +5,9 @@
 #include <map>
 #include <random>
 
+#include "framework/calibration/closing.h"
 #include "framework/calibration/load_columns.h"
 #include "framework/calibration/simulate.h"
-#include "framework/diagnosis/closed_loops.h"
 #include "framework/dsl/grammar.h"
 
 namespace talus {
@@ -36,8 +36,8 @@ double rounded(double value, Dimension dimension, std::pair<double, double> rang
 
 class Drawer {
  public:
-  Drawer(const Ground& ground, const Program& program, const Recordings& recordings,
-         const Trial& null, const std::vector<double>& x, const PoolOptions& options)
+  Drawer(const Ground& ground, Program& program, const Recordings& recordings, const Trial& null,
+         const std::vector<double>& x, const PoolOptions& options)
       : ground_(ground),
         program_(program),
         recordings_(recordings),
@@ -142,9 +142,10 @@ class Drawer {
   }
 
   void free() {
-    ClosedLoops loops(program_);
-    out_.loops = loops.names();
-    for (const bool turn : {false, true})
+    for (const Feature& f : program_.features)
+      if (f.kind == Kind::nothing) out_.loops.push_back(f.name);
+    for (const bool turn : {false, true}) {
+      const std::size_t first = wanted_.size();
       for (int k = 0; k < options_.count && !(turn && out_.mountings.empty()); ++k) {
         Drawn d;
         for (const Coordinate& c : out_.coordinates) {
@@ -156,10 +157,25 @@ class Drawer {
                                                         std::nextafter(c.range->second, 1e300));
           d.setting.push_back(rounded(within(random_), c.dimension, *c.range));
         }
-        const std::span<const double> parameters(x_.data(), program_.parameters.size());
-        if (loops.none() || loops.close(d.setting, out_.coordinates, parameters))
-          add(std::move(d), turn);
+        add(std::move(d), turn);
       }
+      if (has_loops(program_)) close(first);
+    }
+  }
+
+  // Of the poses wanted from `first` on, those that can be moved until all loops are closed.
+  void close(std::size_t first) {
+    for (std::size_t i = 0; i < program_.readings.size(); ++i)
+      program_.readings[i].range = out_.coordinates[i].range;
+    Settings drawn;
+    for (std::size_t k = first; k < wanted_.size(); ++k) drawn.poses.push_back(wanted_[k].setting);
+    if (drawn.poses.empty()) return;
+    Closed closed = close_loops(program_, std::move(drawn), {.threads = ground_.threads});
+    std::size_t next = first;
+    for (std::size_t k = 0; k < closed.reached.size(); ++k)
+      if (closed.reached[k])
+        wanted_[next++] = {std::move(closed.settings.poses[k]), wanted_[first + k].origin};
+    wanted_.resize(next);
   }
 
   // Where a recorded pose was; false where a value is missing.
@@ -208,7 +224,8 @@ class Drawer {
       if (!std::isfinite(c.values[k])) return false;
     Recordings& all = out_.recordings;
     for (RecordedColumn& c : all.columns) {
-      const RecordedColumn* given = c.name == "pose" ? nullptr : simulated.find(c.name);
+      const RecordedColumn* given =
+          c.name == "pose" || is_group(c.name) ? nullptr : simulated.find(c.name);
       c.values.push_back(given ? given->values[k] : circumstance(c, wanted_[k].origin));
     }
     all.lines.push_back(0);
@@ -218,6 +235,13 @@ class Drawer {
       all.noise.covariance.push_back(last);
     }
     return true;
+  }
+
+  // Does the column say which rows share an unknown?
+  bool is_group(const std::string& column) const {
+    return std::any_of(program_.unknowns.begin(), program_.unknowns.end(), [&](const Unknown& u) {
+      return std::find(u.per.begin(), u.per.end(), column) != u.per.end();
+    });
   }
 
   double circumstance(const RecordedColumn& c, const Origin& origin) {
@@ -234,12 +258,9 @@ class Drawer {
       return then != 0 && !std::isnan(then) ? -then : other;
     }
     // What holds as long as the linkage stays mounted where it is.
-    const bool mounted =
-        std::find(gravity_columns.begin(), gravity_columns.end(), c.name) !=
-            gravity_columns.end() ||
-        std::any_of(program_.unknowns.begin(), program_.unknowns.end(), [&](const Unknown& u) {
-          return std::find(u.per.begin(), u.per.end(), c.name) != u.per.end();
-        });
+    const bool mounted = std::find(gravity_columns.begin(), gravity_columns.end(), c.name) !=
+                             gravity_columns.end() ||
+                         is_group(c.name);
     if (mounted) return origin.again >= 0 ? then : c.values[ground_.rows.back()];
     if (c.name.starts_with("rate:")) return 0;
     const bool goes_on = c.name == "pose" || c.name == "time";
@@ -250,7 +271,7 @@ class Drawer {
   }
 
   const Ground& ground_;
-  const Program& program_;
+  Program& program_;
   const Recordings& recordings_;
   const Trial& null_;
   const std::vector<double>& x_;
@@ -264,7 +285,7 @@ class Drawer {
 
 }  // namespace
 
-Drawing drawn_poses(const Ground& ground, const Program& program, const Recordings& recordings,
+Drawing drawn_poses(const Ground& ground, Program& program, const Recordings& recordings,
                     const Trial& null, const std::vector<double>& x, const PoolOptions& options) {
   return Drawer(ground, program, recordings, null, x, options).run();
 }

@@ -40,8 +40,9 @@ struct PoolOptions {
   SuspectOptions suspects;
 };
 
-// `program` is that of the model, its parameters at the fitted values `x`.
-Drawing drawn_poses(const Ground& ground, const Program& program, const Recordings& recordings,
+// `program` is that of the model, its parameters at the fitted values `x`; where a loop must close,
+// its sensors get the ranges drawn from.
+Drawing drawn_poses(const Ground& ground, Program& program, const Recordings& recordings,
                     const Trial& null, const std::vector<double>& x, const PoolOptions& options);
 
 }  // namespace talus

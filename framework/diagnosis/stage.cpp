@@ -60,12 +60,8 @@ PoseSlots slots_of(const Program& program, const Recordings& recordings, const G
       slots[program.unknowns[u.unknown].slot] = x[at + u.instance[rows[k]]];
       at += u.instances;
     }
-    for (std::size_t c = 0; c < chains.size(); ++c) {
-      const PlainPose pose = chains[c](slots);
-      for (int i = 0; i < 9; ++i)
-        slots[program.chains[c].first_slot + i] = pose.rotation[i / 3][i % 3];
-      for (int i = 0; i < 3; ++i) slots[program.chains[c].first_slot + 9 + i] = pose.translation[i];
-    }
+    for (std::size_t c = 0; c < chains.size(); ++c)
+      set_chain(program.chains[c], chains[c](slots), slots);
     result.push_back(std::move(slots));
   }
   return result;

@@ -7,11 +7,14 @@
 
 #include "framework/kinematics/covariates.h"
 #include "framework/kinematics/tape_values.h"
+#include "framework/registry/choices.h"
 
 namespace talus {
 namespace {
 
 constexpr int kMassPower = 3;  // of a Dimension
+// Columns whose parts cancel so far are zero but for rounding (square of their size).
+constexpr double kRounding = 1e-20;
 
 bool knows(const EffectPlace& place, Covariate c) {
   return std::find(place.known.begin(), place.known.end(), c) != place.known.end();
@@ -119,20 +122,6 @@ class Enumerator {
       const bool own = other.joint == place.joint;
       if ((driven == Driven::by_other && own) || (driven == Driven::by_own && !own)) continue;
       result.emplace_back(other.joint, other.around.coordinate);
-    }
-    return result;
-  }
-
-  static std::vector<std::vector<int>> combinations(const std::vector<Choice>& choices) {
-    std::vector<std::vector<int>> result{{}};
-    for (const Choice& choice : choices) {
-      std::vector<std::vector<int>> longer;
-      for (const auto& head : result)
-        for (std::size_t i = 0; i < choice.words.size(); ++i) {
-          longer.push_back(head);
-          longer.back().push_back(static_cast<int>(i));
-        }
-      result = std::move(longer);
     }
     return result;
   }
@@ -271,17 +260,28 @@ class Enumerator {
       const auto p = static_cast<Eigen::Index>(w.way.amounts.size());
       auto block = c.columns.middleCols(next, p);
       block.setZero();
+      Eigen::VectorXd parts = Eigen::VectorXd::Zero(p);  // sums of squares before they cancel
       std::vector<double> largest_shift(p, 0), largest_turn(p, 0);
       for (const Factor& f : w.factors) {
         const EffectPlace& place = program_.places[f.place];
         const int field = place.first_field + f.part;
         for (Eigen::Index r = 0; r < columns_.rows(); ++r)
           block(r, f.amount) += columns_(r, field) * phi(pose_[r], f.at);
+        for (Eigen::Index r = 0; r < columns_.rows(); ++r)
+          parts[f.amount] += std::pow(columns_(r, field) * phi(pose_[r], f.at), 2);
         const bool turn = parts_of(effect.acts) == 6 ? f.part >= 3 : place.dimension == angle;
         double& largest = (turn ? largest_turn : largest_shift)[f.amount];
         largest = std::max(largest, phi.col(f.at).cwiseAbs().maxCoeff());
       }
-      if (block.isZero(0)) continue;  // what it depends on is not recorded, or does not vary
+      // Amounts that move no row are left out: what they depend on is not recorded or does not
+      // vary, or they are of a kind that is not measured (lengths, where directions are).
+      std::vector<Eigen::Index> seen;
+      for (Eigen::Index a = 0; a < p; ++a)
+        if (block.col(a).squaredNorm() > kRounding * parts[a]) seen.push_back(a);
+      if (effect.unknown && !seen.empty())  // of a curve all
+        for (seen.clear(); static_cast<Eigen::Index>(seen.size()) < p;)
+          seen.push_back(static_cast<Eigen::Index>(seen.size()));
+      if (seen.empty()) continue;
       for (Eigen::Index a = 0; a < p; ++a) {
         // The usual size of the correction, but no more than a plausible amount.
         double& typical = w.way.typical[a];
@@ -289,15 +289,20 @@ class Enumerator {
           typical = std::min(typical, effect.typical_angle / largest_turn[a]);
         if (effect.typical_length > 0 && largest_shift[a] > 0)
           typical = std::min(typical, effect.typical_length / largest_shift[a]);
-        c.typical[next + a] = typical;
       }
+      Way way = w.way;
+      way.amounts.clear(), way.typical.clear();
       Form form;
-      form.suspect = w.way.suspect;
-      for (Eigen::Index a = 0; a < p; ++a) form.columns.push_back(static_cast<int>(next + a));
-      form.onset = w.way.onset;
+      form.suspect = way.suspect;
+      for (const Eigen::Index a : seen) {
+        c.columns.col(next) = block.col(a).eval();
+        c.typical[next] = w.way.typical[a];
+        way.amounts.push_back(w.way.amounts[a]), way.typical.push_back(w.way.typical[a]);
+        form.columns.push_back(static_cast<int>(next++));
+      }
+      form.onset = way.onset;
       c.forms.push_back(std::move(form));
-      out_.ways.push_back(std::move(w.way));
-      next += p;
+      out_.ways.push_back(std::move(way));
     }
     c.columns.conservativeResize(Eigen::NoChange, next);
     c.typical.conservativeResize(next);

@@ -96,28 +96,31 @@ std::vector<bool> coordinate_slots(const Program& program) {
 std::optional<AxisPlace> axis_place(const Program& program, const Rigid<Expr>& motion) {
   const std::vector<bool> coordinate = coordinate_slots(program);
   const auto& motions = motion.motions();
+  auto slot_of = [&](std::size_t i) { return coordinate_of(motions[i], coordinate); };
+  std::size_t first = 0, last = motions.size();
+  while (first < last && slot_of(first) < 0) ++first;
+  if (first == last) return {};
+  while (slot_of(last - 1) < 0) --last;
+  const Motion<Expr>& own = motions[first];
   AxisPlace place;
-  for (std::size_t i = 0; i < motions.size(); ++i) {
-    const Motion<Expr>& own = motions[i];
-    const int slot = coordinate_of(own, coordinate);
-    if (slot < 0) {
-      place.before = place.before * Rigid<Expr>(own);
-      continue;
-    }
-    place.turns = own.kind == Moves::rotation;
-    const Rigid<Expr> S = own.kind == Moves::matrix ? onto_axis(program, own, slot, place.turns)
-                                                    : exchanged(own.axis);
-    place.before = place.before * S;
-    if (own.kind == Moves::matrix) {
-      place.behind = inverse(S) * Rigid<Expr>(own);
-    } else {
-      place.behind = Rigid<Expr>({own.kind, 2, own.amount}) * inverse(S);
-    }
-    for (std::size_t j = i + 1; j < motions.size(); ++j)
-      place.behind = place.behind * Rigid<Expr>(motions[j]);
-    return place;
+  place.turns = own.kind == Moves::rotation;
+  const Rigid<Expr> S = own.kind == Moves::matrix
+                            ? onto_axis(program, own, slot_of(first), place.turns)
+                            : exchanged(own.axis);
+  for (std::size_t i = 0; i < first; ++i) place.before = place.before * Rigid<Expr>(motions[i]);
+  place.before = place.before * S;
+  if (last - first == 1 && own.kind != Moves::matrix) {
+    place.moving = Rigid<Expr>({own.kind, 2, own.amount});
+  } else {
+    place.moving = inverse(S);
+    for (std::size_t i = first; i < last; ++i)
+      place.moving = place.moving * Rigid<Expr>(motions[i]);
+    place.moving = place.moving * S;
   }
-  return {};
+  place.behind = inverse(S);
+  for (std::size_t i = last; i < motions.size(); ++i)
+    place.behind = place.behind * Rigid<Expr>(motions[i]);
+  return place;
 }
 
 }  // namespace talus

@@ -1,5 +1,5 @@
 // Where in a joint its own motion happens: the axis frame S between the frame A before the joint
-// and the frame B behind it, T_A_B = T_A_S T_S_B.
+// and the frame B behind it, T_A_B = T_A_S (moving) T_S_B.
 //
 // A joint is a product of elementary motions. S stands just before the first of them that depends
 // on a coordinate (a reading, or an unknown of each pose), and its axes are exchanged in turn,
@@ -9,8 +9,8 @@
 // growing coordinate; S is then turned the shortest way from the coordinate axis that is nearest at
 // the nominal values.
 //
-//     if (auto place = axis_place(program, frame.motion))
-//       frame.motion = place->before * small_twist * place->behind;
+//     if (auto place = axis_place(program, motion))
+//       motion = place->before * small_twist * place->moving * place->behind;
 #pragma once
 
 #include <optional>
@@ -20,8 +20,10 @@
 namespace talus {
 
 struct AxisPlace {
-  Rigid<Expr> before, behind;  // T_A_S, T_S_B
-  bool turns = true;           // the motion turns about z of S; otherwise it slides along it
+  Rigid<Expr> before;  // T_A_S
+  Rigid<Expr> moving;  // all motions from the first to the last that a coordinate moves, seen in S
+  Rigid<Expr> behind;  // what remains: T_A_B = before * moving * behind
+  bool turns = true;   // the motion turns about z of S; otherwise it slides along it
 };
 
 // Nothing where no coordinate moves the joint. `program` may still be in the making: it is asked

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "framework/kinematics/axis_place.h"
 #include "framework/kinematics/compiler.h"
 #include "framework/kinematics/covariates.h"
 #include "framework/kinematics/effect_motion.h"
@@ -243,29 +244,26 @@ Rigid<Expr> Compiler::joint_with_effects(const Element& joint, const Plugin& plu
   }
   const Rigid<Expr> motions = plugin.transform(values, choices(joint, d));
   if (!hangs) return motions;
-  const MovingPart part = moving_part(motions, slots);
   auto of = [&](Acts acts, const std::string& location, const std::vector<std::string>& names) {
     EffectPlace p = place;
     p.acts = acts, p.location = location;
     return corrections(std::move(p), names);
   };
   const std::string link = link_name(joint);
-  const auto axis = motion_of(of(Acts::axis, joint.name(), {joint.name()}), part.z);
-  const auto about = motion_of(of(Acts::about, joint.name(), {joint.name()}), part.z);
+  const auto axis = motion_of(of(Acts::axis, joint.name(), {joint.name()}));
+  const auto about = motion_of(of(Acts::about, joint.name(), {joint.name()}));
   const auto tip = motion_of(of(Acts::link, link, {link, joint.name()}));
   const Expr stretch = Expr(1) + of(Acts::lengths, link, {link, "links"})[0];
-  Rigid<Expr> result;
-  const auto& all = motions.motions();
-  for (std::size_t i = 0; i <= all.size(); ++i) {
-    if (i == part.last && part.last > 0) result = result * inverse(about);
-    if (i == part.first && part.last > 0) result = result * axis * about;
-    if (i == all.size()) break;
-    Motion<Expr> m = all[i];
+  Rigid<Expr> ideal;
+  for (Motion<Expr> m : motions.motions()) {
     if (m.kind == Motion<Expr>::Kind::translation) m.amount = m.amount * stretch;
     for (Expr& t : m.translation) t = t * stretch;
-    result = result * Rigid<Expr>(m);
+    ideal = ideal * Rigid<Expr>(m);
   }
-  return result * tip;
+  if (!axis.motions().empty() || !about.motions().empty())
+    if (const auto at = axis_place(program_, ideal))
+      ideal = at->before * axis * about * at->moving * inverse(about) * at->behind;
+  return ideal * tip;
 }
 
 // Directions are the cosines between the mapped vectors and the instrument's mapped axes where

@@ -40,8 +40,11 @@ void Compiler::feature(const Element& element) {
   EffectPlace place{Acts::fixture, "fixture"};
   place.feature = static_cast<int>(program_.features.size());
   const Rigid<Expr> fixture = motion_of(corrections(place, {f.name, "fixture"}));
-  place.acts = Acts::tip, place.location = "measurement";
-  const Rigid<Expr> tip = motion_of(corrections(place, {f.name, "measurement"}));
+  Rigid<Expr> tip;
+  if (f.kind != Kind::nothing) {  // of a closed loop nothing is measured
+    place.acts = Acts::tip, place.location = "measurement";
+    tip = motion_of(corrections(place, {f.name, "measurement"}));
+  }
   chain.motions = trimmed(fixture * program_.between(in, at) * offset * tip);
   chain.first_slot = program_.slots;
   for (int i = 0; i < 12; ++i) new_slot(fmt::format("{}[{}]", f.name, i));

@@ -9,16 +9,7 @@
 
 namespace talus {
 
-// `twist`: translation, rotation; its z axis is axis `z` of the frame (0, 1, 2), x and y follow in
-// cyclic order. Parts that are the constant zero are left out.
-Rigid<Expr> motion_of(std::span<const Expr> twist, int z = 2);
-
-// Where a joint moves: its motions [first, last) are those that depend on any of the slots; `z` is
-// the axis of the first of them (2 where it is a matrix). first == last: it does not move.
-struct MovingPart {
-  std::size_t first = 0, last = 0;
-  int z = 2;
-};
-MovingPart moving_part(const Rigid<Expr>& motions, std::span<const int> slots);
+// `twist`: translation, rotation. Parts that are the constant zero are left out.
+Rigid<Expr> motion_of(std::span<const Expr> twist);
 
 }  // namespace talus

@@ -39,6 +39,11 @@ std::vector<double> slots_at(const Program& program, std::span<const double> coo
   return slots;
 }
 
+void set_chain(const Chain& chain, const PlainPose& pose, std::span<double> slots) {
+  for (int i = 0; i < 9; ++i) slots[chain.first_slot + i] = pose.rotation[i / 3][i % 3];
+  for (int i = 0; i < 3; ++i) slots[chain.first_slot + 9 + i] = pose.translation[i];
+}
+
 std::array<double, 4> quaternion(const Matrix3<double>& R) {
   std::array<double, 4> q{};  // w x y z; the largest component first for accuracy
   const double t[4] = {R[0][0] + R[1][1] + R[2][2], R[0][0] - R[1][1] - R[2][2],

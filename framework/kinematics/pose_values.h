@@ -30,6 +30,9 @@ class PoseValues {
 // All slots' values: parameters at their nominal values, readings and then unknowns as given.
 std::vector<double> slots_at(const Program& program, std::span<const double> coordinates);
 
+// The slots through which a chain's end pose is read.
+void set_chain(const Chain& chain, const PlainPose& pose, std::span<double> slots);
+
 // Unit quaternion w, x, y, z with w >= 0.
 std::array<double, 4> quaternion(const Matrix3<double>& rotation);
 

@@ -1,25 +1,14 @@
 // Recordings of real devices, where they lie beside the repository (they are not part of it): what
 // is left after the calibration of the rigid model, held out, against figures worked out elsewhere.
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
 
+#include "tests/support/cases.h"
 #include "tests/support/fits.h"
 
 using namespace talus;
 using namespace talus::testing;
-namespace fs = std::filesystem;
 
 namespace {
-
-const std::string beside = TALUS_SOURCE_DIR "/../shared/";
-
-bool there(const std::string& file) {
-  if (fs::exists(beside + file)) return true;
-  MESSAGE("skipped, not beside the repository: ", file);
-  return false;
-}
 
 struct Figures {
   double fit = 0, check = 0, both = 0;  // root mean square length of a pose's residual
@@ -87,22 +76,9 @@ TEST_CASE("rigid models of six recorded devices leave what such models leave") {
 
 // What another program found for the rigid model on simulated recordings with one effect or none.
 TEST_CASE("chi-square of the rigid fit is what another program found") {
-  if (!there("cases/keys.json")) return;
-  std::ifstream in(beside + "cases/keys.json");
-  const nlohmann::json keys = nlohmann::json::parse(in);
-  const std::map<std::string, std::string> models{{"isl6", "isl-bonny-2013"},
-                                                  {"arm6", "arm-6r"},
-                                                  {"cal3", "device-nordquist-2009"},
-                                                  {"ankle2", "ankle-storey-2006"},
-                                                  {"knee2", "knee-two-axis"}};
-  for (const auto& item : keys.items()) {
-    const std::string id = item.key();
-    const nlohmann::json& key = item.value();
-    CAPTURE(id);
-    const std::string device = key["device"];
-    const std::string file = beside + "cases/" + device + "/" + id + "/recordings.csv";
-    if (!models.contains(device) || !fs::exists(file)) continue;
-    const Program program = program_of(shipped(models.at(device) + "/model.xml"));
+  each_case([](const std::string& id, const nlohmann::json& key, const std::string& model,
+               const std::string& file) {
+    const Program program = program_of(model);
     const Recordings recordings = read_recordings(file);
     const Fit fit = calibrate(program, recordings, split_rows(recordings, {}), {.threads = 2});
     CAPTURE(fit.stopped);
@@ -133,5 +109,5 @@ TEST_CASE("chi-square of the rigid fit is what another program found") {
     } else {
       CHECK(fit.chi2_p < 1e-6);
     }
-  }
+  });
 }

@@ -3,18 +3,15 @@
 
 #include <doctest/doctest.h>
 
-#include <filesystem>
-#include <fstream>
-#include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "framework/dsl/dsl.h"
 #include "framework/report/diagnosis_report.h"
 #include "framework/report/report.h"
+#include "tests/support/cases.h"
 
 using namespace talus;
-namespace fs = std::filesystem;
+using namespace talus::testing;
 
 namespace {
 
@@ -91,26 +88,9 @@ TEST_CASE("a diagnosis does not depend on the number of threads") {
 
 // Recordings made by another program, with effects that their keys tell.
 TEST_CASE("concealed effects of another program's recordings are found and named") {
-  const std::string cases = source + "/../shared/cases/";
-  if (!fs::exists(cases + "keys.json")) {
-    MESSAGE("skipped: there are no cases beside the project");
-    return;
-  }
-  std::ifstream in(cases + "keys.json");
-  const nlohmann::json keys = nlohmann::json::parse(in);
-  const std::map<std::string, std::string> models{{"isl6", "isl-bonny-2013"},
-                                                  {"arm6", "arm-6r"},
-                                                  {"cal3", "device-nordquist-2009"},
-                                                  {"ankle2", "ankle-storey-2006"},
-                                                  {"knee2", "knee-two-axis"}};
-  for (const auto& item : keys.items()) {
-    const std::string id = item.key();
-    const nlohmann::json& key = item.value();
-    CAPTURE(id);
-    const std::string device = key["device"], file = cases + device + "/" + id + "/recordings.csv";
-    if (!models.contains(device) || !fs::exists(file)) continue;
-    const Diagnosis d =
-        diagnosed(read(source + "/models/" + models.at(device) + "/model.xml", file));
+  each_case([](const std::string&, const nlohmann::json& key, const std::string& model,
+               const std::string& file) {
+    const Diagnosis d = diagnosed(read(model, file));
     CHECK((to_string(d.verdict) == key["expected_verdict"] ||
            (key["expected_verdict"] == "ambiguous" && d.verdict == Verdict::explained)));
     std::set<std::string> wanted, found;
@@ -130,9 +110,9 @@ TEST_CASE("concealed effects of another program's recordings are found and named
     }
     for (const Finding& f : d.findings) found.insert(f.effect + "@" + f.location);
     CHECK(wanted == found);
-    if (wanted.empty()) continue;
+    if (wanted.empty()) return;
     // As near to the floor as 95 % of what could be gained.
     const double floor = key["floor_check_rms"], rigid = key["rigid_check_rms"];
     CHECK(d.after.heldout_rms <= floor + 0.05 * (rigid - floor));
-  }
+  });
 }

@@ -1,5 +1,5 @@
-// Small words for tests of whole diagnoses: the spatial linkage with an encoder's scale off its
-// centre, recorded at the 65 settings of its fixture.
+// Small words for tests of whole diagnoses, and recordings for them: of a model with effects added
+// to it, and of the spatial linkage at the 65 settings of its fixture.
 #pragma once
 
 #include "framework/diagnosis/advice.h"
@@ -7,15 +7,18 @@
 
 namespace talus::testing {
 
+// The model with these further elements.
+inline Model with_elements(Model model, const std::string& elements) {
+  Registry registry = Registry::built_in();
+  const Model more = read_xml("<talus>" + elements + "</talus>", "effects.xml", registry);
+  for (const Element& e : more.root.children) model.root.children.push_back(e);
+  return model;
+}
+
 // The shipped recordings' readings, what the model with these further elements measures there.
 inline Recordings isl_recordings(const std::string& effects, std::uint64_t seed = 5) {
-  Model model = model_of(shipped("isl-bonny-2013/published.xml"));
-  if (!effects.empty()) {
-    Registry registry = Registry::built_in();
-    const Model more = read_xml("<talus>" + effects + "</talus>", "effects.xml", registry);
-    for (const Element& e : more.root.children) model.root.children.push_back(e);
-  }
-  Program program = program_of(model);
+  Program program =
+      program_of(with_elements(model_of(shipped("isl-bonny-2013/published.xml")), effects));
   Settings settings;
   const Recordings given = read_recordings(shipped("isl-bonny-2013/recordings.csv"));
   for (std::size_t k = 0; k < given.rows(); ++k) {
@@ -47,6 +50,11 @@ inline Diagnosed diagnosed(Model model, Recordings recordings,
   advice.suspects.only = only;
   d.advice = advise(d.model, d.registry, d.diagnosis, advice);
   return d;
+}
+
+// "effect@location" of the only finding; empty where there is none or more than one.
+inline std::string named(const Diagnosis& d) {
+  return d.findings.size() == 1 ? d.findings[0].effect + "@" + d.findings[0].location : "";
 }
 
 inline Diagnosed diagnosed(const std::string& file, Recordings recordings,

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/registry/choices.h"
 #include "framework/registry/registry.h"
 #include "tests/support/derivative_check.h"
 #include "tests/support/effect_check.h"
@@ -78,21 +79,6 @@ inline void check_declaration(const Declaration& d) {
 }
 
 // ---- what the plugin computes ------------------------------------------------------------------
-
-// Every combination of the choices' words, as indices.
-inline std::vector<std::vector<int>> combinations(const std::vector<Choice>& choices) {
-  std::vector<std::vector<int>> result{{}};
-  for (const Choice& choice : choices) {
-    std::vector<std::vector<int>> longer;
-    for (const auto& head : result)
-      for (std::size_t i = 0; i < choice.words.size(); ++i) {
-        longer.push_back(head);
-        longer.back().push_back(static_cast<int>(i));
-      }
-    result = std::move(longer);
-  }
-  return result;
-}
 
 // What can be observed of a kind, from leaves: one case, or two for a direction.
 inline std::vector<std::function<Observed<Expr>(Leaves&)>> observations(Kind kind) {
