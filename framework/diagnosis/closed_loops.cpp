@@ -51,7 +51,8 @@ bool ClosedLoops::close(std::vector<double>& setting, const std::vector<Coordina
   const auto n = static_cast<Eigen::Index>(coordinates.size());
   Eigen::VectorXd size = Eigen::VectorXd::Zero(n);  // of a move: a radian, or a share of a range
   for (Eigen::Index i = 0; i < n; ++i)
-    if (const auto& c = coordinates[static_cast<std::size_t>(i)]; c.range)
+    if (const auto& c = coordinates[static_cast<std::size_t>(i)];
+        c.range && !(c.dimension == number))
       size[i] = c.dimension == angle ? 1 : c.range->second - c.range->first;
   for (int step = 0; step < kSteps; ++step) {
     posture_.set(setting, parameters);
@@ -81,7 +82,7 @@ bool ClosedLoops::close(std::vector<double>& setting, const std::vector<Coordina
     Eigen::VectorXd move = -scaled.completeOrthogonalDecomposition().solve(gap);
     if (const double most = move.cwiseAbs().maxCoeff(); most > kLargest) move *= kLargest / most;
     for (Eigen::Index i = 0; i < n; ++i)
-      if (const auto& c = coordinates[static_cast<std::size_t>(i)]; c.range) {
+      if (const auto& c = coordinates[static_cast<std::size_t>(i)]; c.range && size[i] > 0) {
         double& v = setting[static_cast<std::size_t>(i)];
         v = std::clamp(v + size[i] * move[i], c.range->first, c.range->second);
       }

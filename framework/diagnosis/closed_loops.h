@@ -18,7 +18,7 @@ class ClosedLoops {
   bool none() const { return loops_.empty(); }
   std::vector<std::string> names() const;
 
-  // Of coordinates without a range none is moved. False where the loops do not close.
+  // Plain numbers and coordinates without a range are not moved. False where the loops do not close.
   bool close(std::vector<double>& setting, const std::vector<Coordinate>& coordinates,
              std::span<const double> parameters);
 
