@@ -69,6 +69,8 @@ std::string how_to_record(const Recordings& table, const Program& program, const
   for (const RecordedColumn& c : table.columns)
     if (c.name.starts_with("approach_") && sides.contains(c.name.substr(9)))
       (c.values[row] > 0 ? below : above).push_back(c.name.substr(9));
+  std::sort(above.begin(), above.end());
+  std::sort(below.begin(), below.end());
   if (!below.empty()) words.push_back(join(below) + " from below");
   if (!above.empty()) words.push_back(join(above) + " from above");
   std::set<std::string> hung;

@@ -8,7 +8,8 @@
 //     turned       both in other mountings (mountings.h), where asked for
 //
 // Where a model states no range of a sensor or unknown, what was visited is widened: by half its
-// width on both sides, that of a sensor to a third of a turn at least. Payloads are none and the
+// width on both sides, that of a sensor to a third of a turn at least; plain numbers (a hole, a
+// step) are those visited. Payloads are none and the
 // heaviest seen, or the ends of the stated range. The time goes on after the last pose. Only where
 // the recordings have a sense of approach is there one here.
 #pragma once

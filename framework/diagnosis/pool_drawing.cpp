@@ -100,8 +100,9 @@ class Drawer {
       } else if (!stated && !visited.empty()) {
         const auto [low, high] = std::minmax_element(visited.begin(), visited.end());
         c.range = widened(*low, *high, c.dimension, i < readings ? kLeastArc : 0);
+        if (i < readings && c.dimension == number) levels_[i] = visited;
       }
-      out_.assumed.push_back(moves && !stated);
+      out_.assumed.push_back(moves && !stated && !levels_.contains(i));
     }
   }
 
@@ -141,6 +142,16 @@ class Drawer {
     wanted_.push_back(std::move(d));
   }
 
+  double anywhere(std::size_t i) {
+    const Coordinate& c = out_.coordinates[i];
+    if (!c.range) return c.rest;
+    if (const auto it = levels_.find(i); it != levels_.end())
+      return it->second[random_() % it->second.size()];
+    std::uniform_real_distribution<double> within(c.range->first,
+                                                  std::nextafter(c.range->second, 1e300));
+    return rounded(within(random_), c.dimension, *c.range);
+  }
+
   void free() {
     for (const Feature& f : program_.features)
       if (f.kind == Kind::nothing) out_.loops.push_back(f.name);
@@ -148,15 +159,7 @@ class Drawer {
       const std::size_t first = wanted_.size();
       for (int k = 0; k < options_.count && !(turn && out_.mountings.empty()); ++k) {
         Drawn d;
-        for (const Coordinate& c : out_.coordinates) {
-          if (!c.range) {
-            d.setting.push_back(c.rest);
-            continue;
-          }
-          std::uniform_real_distribution<double> within(c.range->first,
-                                                        std::nextafter(c.range->second, 1e300));
-          d.setting.push_back(rounded(within(random_), c.dimension, *c.range));
-        }
+        for (std::size_t i = 0; i < out_.coordinates.size(); ++i) d.setting.push_back(anywhere(i));
         add(std::move(d), turn);
       }
       if (has_loops(program_)) close(first);
@@ -279,6 +282,8 @@ class Drawer {
   Groups groups_;
   std::mt19937_64 random_;
   std::map<std::string, std::pair<double, double>> masses_;  // of payloads' columns
+  std::map<std::size_t, std::vector<double>>
+      levels_;  // a plain number (a hole, a step): as visited
   std::vector<Drawn> wanted_;
   Drawing out_;
 };
