@@ -26,7 +26,7 @@ Expr amount_of_move(const Program& program, const Frame& frame) {
       if (coordinate[slot]) return slot;
     return -1;
   };
-  for (const Motion<Expr>& m : frame.motion.motions()) {
+  for (const Motion<Expr>& m : frame.moving.motions()) {
     if (m.kind != Motion<Expr>::Kind::matrix) {
       if (coordinate_in(m.amount) >= 0) return m.amount;
       continue;

@@ -77,11 +77,13 @@ Recordings simulate(const Program& program, const Settings& given, const Simulat
   }
   for (const Feature& f : program.features)
     for (int c : f.columns) column(program.columns[c].name, program.columns[c].dimension);
-  std::vector<PoseValues> chains;
-  for (const Feature& f : program.features)
+  std::vector<PoseValues> chains, shown;  // shown: of the features that a faulty machine measures
+  for (const Feature& f : program.features) {
     chains.emplace_back(program, program.chains[f.chain].motions);
+    shown.emplace_back(program, f.shown.value_or(Rigid<Expr>()));
+  }
   for (std::size_t k = 0; k < settings.poses.size(); ++k) {
-    const std::vector<double> slots = slots_at(program, settings.poses[k]);
+    std::vector<double> slots = slots_at(program, settings.poses[k]);
     std::size_t next = 0;
     out.lines.push_back(static_cast<int>(k) + 2);
     out.columns[next++].values.push_back(order < 0 ? static_cast<double>(k + 1)
@@ -93,7 +95,12 @@ Recordings simulate(const Program& program, const Settings& given, const Simulat
     }
     for (std::size_t f = 0; f < program.features.size(); ++f) {
       const Feature& feature = program.features[f];
-      const std::vector<double> values = show(feature, chains[f](slots), gauss);
+      PlainPose pose = chains[f](slots);
+      if (feature.shown) {
+        set_chain(program.chains[feature.chain], pose, slots);
+        pose = shown[f](slots);
+      }
+      const std::vector<double> values = show(feature, pose, gauss);
       if (values.size() != feature.columns.size())
         throw InputError(
             feature.place,

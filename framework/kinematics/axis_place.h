@@ -11,6 +11,9 @@
 //
 //     if (auto place = axis_place(program, motion))
 //       motion = place->before * small_twist * place->moving * place->behind;
+//
+// The compiler notes it in each Frame, for the joint without its effects, which may depend on
+// coordinates themselves.
 #pragma once
 
 #include <optional>

@@ -229,7 +229,7 @@ std::vector<Expr> Compiler::corrections(EffectPlace place, const std::vector<std
   return sum;
 }
 
-Rigid<Expr> Compiler::joint_with_effects(const Element& joint, const Plugin& plugin) {
+Frame Compiler::joint_with_effects(const Element& joint, const Plugin& plugin) {
   const Declaration& d = plugin.declaration;
   std::vector<Expr> values = inputs(joint, d);
   std::vector<int> slots;  // of the coordinates
@@ -250,8 +250,10 @@ Rigid<Expr> Compiler::joint_with_effects(const Element& joint, const Plugin& plu
     place.around.coordinate = values[index];
     values[index] += corrections(place, {joint.name()})[0];
   }
-  const Rigid<Expr> motions = plugin.transform(values, choices(joint, d));
-  if (!hangs) return motions;
+  Frame frame{joint.name(), -1, plugin.transform(values, choices(joint, d)), joint.place};
+  auto at = axis_place(program_, frame.motion);
+  if (at) frame.to_axis = at->before, frame.moving = at->moving;
+  if (!hangs) return frame;
   auto of = [&](Acts acts, const std::string& location, const std::vector<std::string>& names) {
     EffectPlace p = place;
     p.acts = acts, p.location = location;
@@ -263,15 +265,18 @@ Rigid<Expr> Compiler::joint_with_effects(const Element& joint, const Plugin& plu
   const auto tip = motion_of(of(Acts::link, link, {link, joint.name()}));
   const Expr stretch = Expr(1) + of(Acts::lengths, link, {link, "links"})[0];
   Rigid<Expr> ideal;
-  for (Motion<Expr> m : motions.motions()) {
+  for (Motion<Expr> m : frame.motion.motions()) {
     if (m.kind == Motion<Expr>::Kind::translation) m.amount = m.amount * stretch;
     for (Expr& t : m.translation) t = t * stretch;
     ideal = ideal * Rigid<Expr>(m);
   }
-  if (!axis.motions().empty() || !about.motions().empty())
-    if (const auto at = axis_place(program_, ideal))
-      ideal = at->before * axis * about * at->moving * inverse(about) * at->behind;
-  return ideal * tip;
+  frame.motion = ideal;
+  at = axis_place(program_, ideal);
+  if (at) frame.to_axis = at->before, frame.moving = at->moving;
+  if (at && !(axis.motions().empty() && about.motions().empty()))
+    frame.motion = at->before * axis * about * at->moving * inverse(about) * at->behind;
+  frame.motion = frame.motion * tip;
+  return frame;
 }
 
 // Directions are the cosines between the mapped vectors and the instrument's mapped axes where
@@ -288,7 +293,11 @@ Rigid<Expr> Compiler::as_measured(int feature, const Matrix3<Expr>& R, const Vec
     place.around.position = direction ? column(R, 2) : p;
     known = deformations_.emplace(feature, corrections(place, {f.name, "measurement"})).first;
   }
-  return mapped(f, R, p, known->second);
+  Rigid<Expr> shown = mapped(f, R, p, known->second);
+  if (std::any_of(known->second.begin(), known->second.end(),
+                  [](const Expr& d) { return !(d.is_constant() && d.constant() == 0); }))
+    program_.features[feature].shown = shown;
+  return shown;
 }
 
 Rigid<Expr> Compiler::mapped(const Feature& f, const Matrix3<Expr>& R, const Vector3<Expr>& p,

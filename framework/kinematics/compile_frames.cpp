@@ -34,8 +34,7 @@ void Compiler::frames() {
       const Plugin* plugin = registry_.find(joint.tag, Family::joint);
       if (!plugin) throw InputError(joint.place, fmt::format("<{}> is not a joint", joint.tag));
       reach(joint.name(), joint.place);
-      edges.push_back(
-          {parent, {joint.name(), -1, joint_with_effects(joint, *plugin), joint.place}, ""});
+      edges.push_back({parent, joint_with_effects(joint, *plugin), ""});
       parent = joint.name();
     }
     if (!to.empty() && to != parent) {

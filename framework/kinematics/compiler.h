@@ -49,7 +49,8 @@ class Compiler {
   // The sum of the effects at a place that answers to any of the names, as parts_of(acts) numbers.
   std::vector<Expr> corrections(EffectPlace place, const std::vector<std::string>& names);
   Expr driver(const Element& element);
-  Rigid<Expr> joint_with_effects(const Element& joint, const Plugin& plugin);
+  // The frame behind a joint, its parent not yet known.
+  Frame joint_with_effects(const Element& joint, const Plugin& plugin);
   void check_effects() const;
   void forget_unused_covariates();
   // What the instrument shows of a feature whose modelled pose is (R, p).

@@ -29,10 +29,8 @@ Wrench seen_from(const Isometry3d& T_root_F, const Wrench& w) {
 std::vector<std::int32_t> place_nodes(const Program& program) {
   std::vector<std::int32_t> nodes;
   for (const Frame& frame : program.frames) {
-    const auto place = axis_place(program, frame.motion);
-    const Rigid<Expr> T_A_S = place ? place->before : Rigid<Expr>();
-    const Matrix3<Expr> R = T_A_S.rotation();
-    const Vector3<Expr> p = T_A_S.translation();
+    const Matrix3<Expr> R = frame.to_axis.rotation();
+    const Vector3<Expr> p = frame.to_axis.translation();
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j) nodes.push_back(R[i][j].node_on(*program.tape));
       nodes.push_back(p[i].node_on(*program.tape));

@@ -78,12 +78,15 @@ struct EffectPlace {
   int first_field = -1;  // index among the parameters; parts_of(acts) of them
 };
 
-// A frame of the tree; `motion` is T_parent_frame.
+// A frame of the tree; `motion` is T_parent_frame, with all effects. Of the joint as it would be
+// without: T_parent_S of its axis frame S, and what a coordinate moves there (axis_place.h); both
+// empty where nothing moves it.
 struct Frame {
   std::string name;
   int parent = -1;  // -1: the root
   Rigid<Expr> motion;
   Place place;
+  Rigid<Expr> to_axis = {}, moving = {};
 };
 
 // The mass of the rigid body that a frame belongs to, from that frame's joint to the next.
@@ -161,6 +164,7 @@ struct Feature {
   std::vector<int> columns;  // indices of measured columns
   std::optional<double> sigma_length, sigma_angle, sigma_number;
   Observed<Expr> observed;
+  std::optional<Rigid<Expr>> shown;  // the chain's end pose as a faulty machine shows it
   Probed probed;
   bool carried = false;  // rows follow from one another: their noise is that of the columns
   Place place;
