@@ -184,6 +184,8 @@ class Diagnoser {
     d_.after = clean_;
     d_.program_after = d_.program;
     if (claimed_) {
+      if (by_loads())
+        known_ = with_circumstances(model_, registry_, *d_.program, recordings_, geometry());
       const Trial& best = d_.search.best;
       d_.extended_model = extended(model_, best.effects, d_.program->units);
       auto after = std::make_shared<Program>(compile(d_.extended_model, registry_));
@@ -206,7 +208,13 @@ class Diagnoser {
       f.heldout_before = clean_.heldout_rms;
       f.heldout_after = d_.after.heldout_rms;
     }
-    d_.noise = judge_noise(*d_.program_after, known_, split_.fit, d_.after.x, fault_options());
+    // What is too small to be claimed is not noise either.
+    const Trial& best = d_.search.best;
+    const bool hinted = !claimed_ && !d_.hints.empty() &&
+                        std::none_of(d_.faults.begin(), d_.faults.end(),
+                                     [](const Fault& f) { return f.kind == "correlated-noise"; });
+    d_.noise = judge_noise(hinted ? *best.program : *d_.program_after, known_, split_.fit,
+                           hinted ? best.x : d_.after.x, fault_options());
     note(d_.noise.faults);
   }
 

@@ -12,6 +12,7 @@ namespace {
 constexpr double kUnknownPrior = -4;   // ln prior odds of a curve without a cause
 constexpr std::size_t kCompared = 64;  // of the best, which are told apart by these poses?
 constexpr int kFormsOfEach = 3;        // where everything is tried
+constexpr double kLooseCurve = 10;     // heights of a curve may be so many typical ones
 constexpr double kClose = 30;          // ln of the evidence: worth a better setting
 constexpr int kHalvings = 3;
 
@@ -116,7 +117,10 @@ class Chooser {
     std::vector<std::vector<Accepted>> hypotheses(entries.size(), base_.effects);
     for (std::size_t i = 0; i < entries.size(); ++i) {
       hypotheses[i].push_back(stage_.accepted(ground_, *entries[i].score));
-      if (options_.stiff) hypotheses[i].back().scale = entries[i].score->scale;
+      Accepted& e = hypotheses[i].back();
+      if (e.suspect.effect == "unknown") e.scale = kLooseCurve;
+      // Many amounts at once are held to the size that the rows speak for.
+      if (options_.stiff && e.amounts.size() > 3) e.scale = entries[i].score->scale;
     }
     TrialOptions options;
     options.from_nominal = true;

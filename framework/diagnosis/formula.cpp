@@ -82,7 +82,9 @@ class Regression {
     VectorXd b = curve.transpose() * e_.wanted * reach;
     if (beside) {
       const MatrixXd KP = weighed(*beside), C = KP.transpose() * curve * reach;
-      const Eigen::LDLT<MatrixXd> inner((beside->transpose() * KP).eval());
+      MatrixXd own = beside->transpose() * KP;
+      own.diagonal() *= 1 + 1e-10;  // terms may be nearly the same
+      const Eigen::LDLT<MatrixXd> inner(own);
       A -= C.transpose() * inner.solve(C);
       b -= C.transpose() * inner.solve(beside->transpose() * e_.wanted);
     }
@@ -316,6 +318,11 @@ class Regression {
     }
   }
 
+  static bool varies(const Shape& shape) {
+    return std::any_of(shape.settings.begin(), shape.settings.end(),
+                       [](const ShapeSetting& s) { return s.free(); });
+  }
+
   // A second shape beside each of the best.
   void pairs() {
     std::vector<std::size_t> order(fits_.size());
@@ -342,6 +349,7 @@ class Regression {
       evaluate(*first[0].scanned, one);
       if (!std::isfinite(one.chi2)) continue;
       for (const Scanned& s : scanned_) {
+        if (&s == first[0].scanned && !varies(*s.shape)) continue;  // the same once more
         const std::vector<double> chi2 = beside(one, s);
         const auto best = std::min_element(chi2.begin(), chi2.end());
         if (!std::isfinite(*best)) continue;

@@ -12,6 +12,15 @@ namespace talus {
 namespace {
 
 constexpr double kLoose = 100;  // amounts may be so many typical ones
+constexpr double kStiff = 10;   // heights of a curve
+constexpr std::size_t kMany = 3;
+
+// In typical amounts. Many at once are held to the size that the rows speak for, where that is
+// known.
+double tolerance_of(const Accepted& e) {
+  if (e.scale > 0 && e.way.amounts.size() > kMany) return e.scale;
+  return e.suspect.effect == "unknown" ? kStiff : kLoose;
+}
 
 // Values at the entries of x: by name where known.
 std::vector<double> start_of(const Problem& problem, const std::map<std::string, double>& values) {
@@ -152,8 +161,7 @@ Model extended(const Model& model, const std::vector<Accepted>& effects, const U
   for (const Accepted& e : effects) {
     std::vector<AmountValue> amounts;
     for (std::size_t a = 0; a < e.amounts.size(); ++a)
-      amounts.push_back(
-          {e.amounts[a], (e.suspect.effect == "unknown" ? e.scale : kLoose) * e.way.typical[a]});
+      amounts.push_back({e.amounts[a], tolerance_of(e) * e.way.typical[a]});
     result.root.children.push_back(element_of(e.suspect, e.way, amounts, system));
   }
   return result;

@@ -14,8 +14,8 @@ struct Accepted {
   Suspect suspect;
   Way way;
   std::vector<double> amounts, std;
-  double occam = 0;   // ln of what it is charged for its amounts and ways
-  double scale = 10;  // of a curve of no known cause: its heights' tolerance, in typical ones
+  double occam = 0;  // ln of what it is charged for its amounts and ways
+  double scale = 0;  // tolerance of many amounts at once, in typical ones; 0: not known
 };
 
 // The model with the effects as further elements; amounts start at their values.

@@ -6,6 +6,7 @@
 //     poses again  some that were recorded, every joint approached from the other side, or with
 //                  another payload: whatever holds the linkage lets it go there
 //     turned       both in other mountings (mountings.h), where asked for
+//
 // Where a model states no range of a sensor or unknown, what was visited is widened: by half its
 // width on both sides, that of a sensor to a third of a turn at least. Payloads are none and the
 // heaviest seen, or the ends of the stated range. The time goes on after the last pose. Only where

@@ -43,7 +43,7 @@ class Searcher {
   Search run(const Trial& null) {
     result_.null = result_.best = null;
     grow(0);
-    if (!exact_) openings();
+    openings();
     leftovers();
     result_.left = left_by(result_.best);
     alternatives();

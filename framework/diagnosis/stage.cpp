@@ -183,7 +183,7 @@ Accepted Stage::accepted(const Ground& ground, const Score& score) const {
   for (std::size_t a = 0; a < result.way.amounts.size(); ++a) {
     const auto i = static_cast<Eigen::Index>(a);
     const double estimate = score.estimate.size() > i ? score.estimate[i] : 0;
-    const double most = result.scale * result.way.typical[a];
+    const double most = 10 * result.way.typical[a];
     result.amounts.push_back(std::clamp(estimate, -most, most));
     result.std.push_back(score.std.size() > i ? score.std[i] : 0);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "framework/kinematics/covariates.h"
@@ -11,6 +12,7 @@
 namespace talus {
 namespace {
 
+constexpr int kMassPower = 3;  // of a Dimension
 // Columns whose parts cancel so far are zero but for rounding (square of their size).
 constexpr double kRounding = 1e-20;
 
@@ -348,9 +350,13 @@ Element element_of(const Suspect& suspect, const Way& way, const std::vector<Amo
     const auto a = std::find(way.amounts.begin(), way.amounts.end(), i.name);
     if (a == way.amounts.end()) continue;
     const AmountValue& amount = amounts[static_cast<std::size_t>(a - way.amounts.begin())];
-    e.set(i.name,
-          write_quantity({.value = amount.value, .free = true, .tolerance = amount.tolerance},
-                         dimension, units));
+    Quantity q{.value = amount.value, .free = true, .tolerance = amount.tolerance};
+    // What gives way under a load does so in its direction: no amount per load is negative.
+    if (dimension.powers[kMassPower] < 0) {
+      q.value = std::max(0.0, q.value);
+      q.bounds = {0, std::numeric_limits<double>::infinity()};
+    }
+    e.set(i.name, write_quantity(q, dimension, units));
   }
   return e;
 }

@@ -6,6 +6,7 @@
 
 #include "framework/kinematics/axis_place.h"
 #include "framework/kinematics/compiler.h"
+#include "framework/kinematics/covariates.h"
 #include "framework/kinematics/effect_motion.h"
 
 namespace talus {
@@ -176,7 +177,6 @@ std::vector<Expr> Compiler::corrections(EffectPlace place, const std::vector<std
     }
     placed_[e] = true;
     EffectPlace here = place;
-    const std::size_t before = program_.readings.size();
     for (Covariate c : d.effect.needs) know(c, here, where);
     if (d.effect.driven != Driven::no) here.around.driver = driver(*e);
     std::vector<Expr> values;
@@ -193,17 +193,9 @@ std::vector<Expr> Compiler::corrections(EffectPlace place, const std::vector<std
       values.push_back(input(*e, i).value);
     }
     const std::vector<Expr> more = plugin.act(here.around, values, choices(*e, d));
+    if (std::all_of(more.begin(), more.end(), [](const Expr& u) { return u.is_constant(); }))
+      null_effect_ = true;
     for (int k = 0; k < parts; ++k) sum[k] += more[k];
-    // Circumstances that its amounts do without (a drift with the time alone: the temperature).
-    const auto unused = [&](const Reading& r) {
-      return r.covariate && std::none_of(more.begin(), more.end(), [&](const Expr& e) {
-               const std::vector<int> on = support(e);
-               return std::binary_search(on.begin(), on.end(), r.slot);
-             });
-    };
-    auto& readings = program_.readings;
-    const auto added = readings.begin() + static_cast<std::ptrdiff_t>(before);
-    readings.erase(std::remove_if(added, readings.end(), unused), readings.end());
   }
   if (recorded_) {
     for (Covariate c : {Covariate::approach, Covariate::time, Covariate::session, Covariate::pose,
@@ -349,8 +341,8 @@ void Compiler::check_effects() const {
   }
 }
 
-// An effect that could follow several circumstances needs only those of its amounts that are not
-// zero.
+// An effect that could follow several circumstances needs only those of the amounts that it has:
+// play by the sense of approach needs no loads.
 void Compiler::forget_unused_covariates() {
   std::set<int> used;
   for (const auto& slots : row_support(program_)) used.insert(slots.begin(), slots.end());
@@ -365,8 +357,10 @@ void Compiler::forget_unused_covariates() {
         for (int j = 0; j < 3; ++j) use(m.rotation[i][j]);
       }
     }
-  std::erase_if(program_.readings,
-                [&](const Reading& r) { return r.covariate && !used.contains(r.slot); });
+  if (null_effect_) return;  // which amounts it is to have is not known
+  std::erase_if(program_.readings, [&](const Reading& r) {
+    return r.covariate && is_derived(r.column) && !used.contains(r.slot);
+  });
 }
 
 }  // namespace talus

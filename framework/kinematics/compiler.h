@@ -85,6 +85,7 @@ class Compiler {
 
   const Model& model_;
   const Registry& registry_;
+  bool null_effect_ = false;  // one whose amounts are all zero
   Program program_;
   std::map<std::string, const Element*> named_;  // every element with a name
   std::map<std::string, Term> known_;            // names worked out so far

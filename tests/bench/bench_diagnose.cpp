@@ -55,6 +55,7 @@ BENCHMARK(none)
     ->Arg(65)
     ->Arg(2000)
     ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
     ->UseRealTime()
     ->Apply(least);
 BENCHMARK(one)
@@ -62,6 +63,7 @@ BENCHMARK(one)
     ->Arg(65)
     ->Arg(2000)
     ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
     ->UseRealTime()
     ->Apply(least);
 

@@ -43,7 +43,7 @@ std::vector<std::string> names(const Recordings& r) {
 
 const char* kAll = R"(
   <backlash at="encoder2" half_width="0 ± 0.1"/>
-  <thermal_drift at="encoder1" rate="0 ± 1"/>
+  <thermal_drift at="encoder1" rate="0 ± 1" per_degree="0 ± 1"/>
   <joint_compliance at="joint2" compliance="0 ± 0.1"/>
   <encoder_zero_slip at="encoder1" step="0 ± 1" pose="3"/>
   <time_lag lag="0 ± 0.01"/>)";
@@ -129,6 +129,32 @@ TEST_CASE("what an effect needs and nobody knows is said") {
             .find("the load of 'joint2' is not known\n  expected <gravity>") != std::string::npos);
   CHECK(complaint(arm_with("<time_lag lag='0 ?'/>")).find("no column 'time'") != std::string::npos);
   CHECK(complaint(arm_with("<joint_compliance at='joint2'/>")).empty());
+}
+
+TEST_CASE("an effect needs what its own amounts depend on") {
+  const Program program = compiled(arm_with("<backlash at='encoder2' half_width='0 ± 0.1'/>", ""));
+  const Recordings table =
+      parse_recordings("approach_joint2,theta1[deg],theta2[deg]\n1,2,3\n", "poses.csv");
+  CHECK_NOTHROW(with_derived(program, table));
+  CHECK_FALSE(depends_on_loads(program));
+  CHECK(
+      depends_on_loads(compiled(arm_with("<backlash at='encoder2' half_width_load='0 ± 0.1'/>"))));
+}
+
+TEST_CASE("what a table of poses says of its circumstances is kept, needed or not") {
+  Program program = compiled(arm_with(""));
+  const Recordings table = parse_recordings(
+      "approach_joint1,payload[kg],gravity.x,gravity.y,gravity.z,theta1[deg],theta2[deg],other\n"
+      "-1,0.5,0,1,0,10,20,7\n1,1.5,,,,11,22,8\n",
+      "poses.csv");
+  const Recordings r = simulate(
+      program, with_circumstances(program, settings_from(program, table, 1), &table), {.noise = 0});
+  for (const char* name : {"approach_joint1", "payload", "gravity.y"}) {
+    REQUIRE(r.find(name));
+    CHECK(r.find(name)->values[0] == table.find(name)->values[0]);
+  }
+  CHECK(std::isnan(r.find("gravity.y")->values[1]));
+  CHECK_FALSE(r.find("other"));
 }
 
 TEST_CASE("simulated with effects, calibrated with effects") {

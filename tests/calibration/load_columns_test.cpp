@@ -30,7 +30,7 @@ TEST_CASE("columns of loads, at the parameters given, with the payload of each r
   const Program program = program_from(xml);
   const Recordings before = table("q1[deg],q2[deg],load[g]\n0,0,500\n0,90,1000\n0,,500\n0,0,\n");
   const Recordings after = with_loads(program, before, std::vector<double>{250.0});
-  CHECK(after.columns.size() == before.columns.size() + 2 * 18);
+  CHECK(after.columns.size() == before.columns.size() + 2 * 21);
   const auto& upper = after.get("load:upper.mz", torque).values;
   const auto& fore = after.get("load:fore.mz", torque).values;
   // N mm: 10 m/s^2 times (2 kg at 150 mm, payload at 550 or 300 mm); in kg mm^2/s^2 1000 times.
@@ -85,4 +85,26 @@ TEST_CASE("joints whose loads depend on an unknown have no columns") {
                                            .replace(std::string(xml).find("<gravity"), 0, "<!-- ")
                                            .replace(std::string(xml).find("<point") + 5, 0, "-->"));
   CHECK(with_loads(program, table("q1[deg],q2[deg]\n0,0\n"), nominal(program)).columns.size() == 2);
+}
+
+TEST_CASE("rows recorded in another mounting have gravity where they say") {
+  const Program program = program_from(xml);
+  const Recordings before = table(
+      "q1[deg],q2[deg],load[kg],gravity.x,gravity.y,gravity.z\n"
+      "0,0,1,,,\n0,0,1,0,2,0\n0,0,1,-3,0,0\n0,0,1,0,,-1\n");
+  const Recordings after = with_loads(program, before, nominal(program));
+  const auto& moment = after.get("load:upper.mz", torque).values;
+  const auto& along = after.get("load:upper.fx", force).values;
+  CHECK(moment[0] == doctest::Approx(-1e4 * (2 * 150 + 1 * 500)));  // as the model says
+  CHECK(moment[1] == doctest::Approx(1e4 * (2 * 150 + 1 * 500)));   // upside down
+  CHECK(std::abs(moment[2]) < 1e-6);                                // along the arm
+  CHECK(along[2] == doctest::Approx(-1e4 * 3));
+  CHECK(std::isnan(moment[3]));
+  CHECK_THROWS_AS(
+      with_loads(program, table("q1[deg],q2[deg],gravity.x,gravity.y,gravity.z\n0,0,0,0,0\n"),
+                 nominal(program)),
+      InputError);
+  CHECK_THROWS_AS(
+      with_loads(program, table("q1[deg],q2[deg],gravity.y\n0,0,1\n"), nominal(program)),
+      InputError);
 }

@@ -99,7 +99,10 @@ TEST_CASE("chi-square of the rigid fit is what another program found") {
       CHECK(std::abs(fit.chi2 - expected) < std::max(5.0, 0.015 * expected));
       CHECK(fit.heldout_rms == doctest::Approx(held).epsilon(0.025));
     }
-    CHECK(std::abs(fit.dof - key["rigid_dof"].get<double>()) < 5);
+    // There all parameters count; here what only its tolerance holds does not.
+    const double more = fit.dof - key["rigid_dof"].get<double>();
+    CHECK(more > -1);
+    CHECK(more < static_cast<double>(fit.seen.unseen.size()) + 1);
     // Recordings of rigid devices are explained by the instruments, others are not.
     if (key["effects"].empty() || key["strength"] == "absorbed") {
       CHECK(fit.chi2_p > 0.01);

@@ -131,8 +131,8 @@ TEST_CASE("a spatial linkage on its fixture, the loop closed at the clamps") {
 
 TEST_CASE("a ball in sockets, held by hand: a soft joint is named") {
   const Model arm = model_of(shipped("arm-panda/model.xml"));
-  Program truth =
-      program_of(with_elements(arm, R"(<joint_compliance at="joint4" compliance="0.02 deg/(N*m)"/>)"));
+  Program truth = program_of(
+      with_elements(arm, R"xml(<joint_compliance at="joint4" compliance="0.02 deg/(N*m)"/>)xml"));
   draw_truth(truth, 4, 0.3);
   // Six places of the plate, both of its sockets.
   Recordings table;

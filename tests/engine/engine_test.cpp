@@ -10,6 +10,9 @@ using namespace talus::testing;
 namespace {
 
 #ifdef TALUS_ENGINE
+// Three standard deviations above 1 for the root mean square of 30 poses with three rows each.
+constexpr double kAsNoise = 1.22;
+
 nlohmann::json diagnosed(const std::string& linkage, const std::string& flaws) {
   const Folder folder;
   const std::string table = folder / "recordings.csv";
@@ -30,7 +33,7 @@ void check_named(const std::string& linkage, const std::string& flaw, const std:
   REQUIRE(d["findings"].size() == 1);
   CHECK(d["findings"][0]["effect"] == effect);
   CHECK(d["findings"][0]["location"] == location);
-  CHECK(d["heldout"]["after"] < 1.15);
+  CHECK(d["heldout"]["after"] < kAsNoise);
 }
 #endif
 
@@ -41,7 +44,7 @@ TEST_CASE("recordings of a physics engine are diagnosed by what the engine built
   for (const char* linkage : {"isl", "arm"}) {
     const nlohmann::json d = diagnosed(linkage, "--seed 1");
     CHECK(d["verdict"] == "nothing-missing");
-    CHECK(d["heldout"]["after"] < 1.15);
+    CHECK(d["heldout"]["after"] < kAsNoise);
   }
   check_named("arm", "elastic:3:0.001", "joint_compliance", "joint3");
   check_named("arm", "bending:2:0.0001:2", "link_bending", "link2");

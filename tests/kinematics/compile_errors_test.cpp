@@ -189,7 +189,7 @@ const Case cases[] = {
   expected one of: E)"},
     {"a residual nobody knows", around(R"(<calibrate residual="positon" of="E"/>)"),
      R"(model.xml:2:24: no residual 'positon' is known
-  expected one of: closure, direction, distance, frame_points, inverse_direction_cosines, position, projection_angles, rotation_vector, vector_length
+  expected one of: closure, direction, distance, frame_points, inverse_direction_cosines, position, projection_angles, rotation_vector, turn, vector_length
   did you mean 'position'?)"},
     {"a residual taken twice",
      around(R"(<calibrate residual="position" of="E"/><calibrate residual="position"/>)"),

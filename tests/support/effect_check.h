@@ -100,7 +100,7 @@ struct Circumstances {
       add3(*v, force, needs(Covariate::tip_load));
     add3(around.span, length, needs(Covariate::tip_load));
     add3(around.own_moment, torque, needs(Covariate::tip_load));
-    add3(around.position, length, acts == Acts::measured);
+    add3(around.position, corrected == number ? number : length, acts == Acts::measured);
   }
 };
 

@@ -108,6 +108,7 @@ inline RecordedColumn& column(Recordings& recordings, const std::string& name) {
 
 inline void add_column(Recordings& recordings, const std::string& name,
                        std::vector<double> values) {
+  std::erase_if(recordings.columns, [&](const RecordedColumn& c) { return c.name == name; });
   recordings.columns.push_back({name, *parse_unit("1"), std::move(values), {}});
 }
 

@@ -94,7 +94,9 @@ inline Model example_model(const Plugin& plugin, const std::vector<int>& choices
             ? element("micrometer_triangle", {{"name", "sensed"}, {"bar1", "60"}, {"bar2", "50"}})
             : element("encoder", {{"name", "sensed"}}));
     body.push_back(element("encoder", {{"name", "other"}}));
-    body.push_back(element("frame", {{"name", "seen"}, {"in", "B"}, {"at", "E"}}));
+    const bool direction = acts == Acts::measured && corrected == number;
+    body.push_back(
+        element(direction ? "direction" : "frame", {{"name", "seen"}, {"in", "B"}, {"at", "E"}}));
     body.push_back(tested);
   }
   if (d.family == Family::residual) {
