@@ -1,7 +1,6 @@
 #include "framework/diagnosis/formula.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,10 +13,8 @@ namespace {
 using Eigen::Index, Eigen::MatrixXd, Eigen::VectorXd;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr double kLoose = 100;     // amounts may be so many usual sizes
-constexpr double kReach = 10;      // heights of a free curve, as where it is fitted
-constexpr double kVisible = 0.05;  // sigmas: pieces of a curve that show less say nothing
-constexpr double kLocal = 4;       // poses that must carry a function
+constexpr double kLoose = 100;                       // amounts may be so many usual sizes
+constexpr double kLocal = 4;                         // poses that must carry a function
 constexpr int kFirst = 4, kSecond = 5, kMinima = 3;  // how many are followed up
 
 // A point of a shape's grid.
@@ -53,18 +50,14 @@ class Regression {
   }
 
  private:
-  MatrixXd weighed(const MatrixXd& phi) const {  // K phi
-    MatrixXd y = -e_.absorbed.transpose() * (e_.absorbed * phi);
-    y += e_.weight.asDiagonal() * phi;
-    return y;
-  }
+  MatrixXd weighed(const MatrixXd& phi) const { return talus::weighed(e_, phi); }
 
   // The noise is what the best of the free curves leaves, where it is not known or that is more.
   void noise() {
     std::vector<std::pair<double, int>> curves;  // chi-square, directions
     double left = e_.chi2 / std::max(1.0, e_.freedom);
     for (const MatrixXd& curve : e_.curves) {
-      const auto [gain, seen] = gain_of(curve, nullptr);
+      const auto [gain, seen] = curve_gain(e_, curve);
       curves.emplace_back(e_.chi2 - gain, seen);
       left = std::min(left, (e_.chi2 - gain) / std::max(1.0, e_.freedom - seen));
     }
@@ -73,31 +66,6 @@ class Regression {
     for (const auto& [chi2, seen] : curves)
       if (const double bic = chi2 / out_.noise + seen * std::log(e_.rows); bic < out_.curve_bic)
         out_.curve_bic = bic, out_.curve_chi2 = chi2 / out_.noise, out_.curve_parameters = seen;
-  }
-
-  // What a free curve explains (beside a formula), and how many directions of it are seen.
-  std::pair<double, int> gain_of(const MatrixXd& curve, const MatrixXd* beside) const {
-    const double reach = kReach * e_.typical;
-    MatrixXd A = curve.transpose() * weighed(curve) * reach * reach;
-    VectorXd b = curve.transpose() * e_.wanted * reach;
-    if (beside) {
-      const MatrixXd KP = weighed(*beside), C = KP.transpose() * curve * reach;
-      MatrixXd own = beside->transpose() * KP;
-      own.diagonal() *= 1 + 1e-10;  // terms may be nearly the same
-      const Eigen::LDLT<MatrixXd> inner(own);
-      A -= C.transpose() * inner.solve(C);
-      b -= C.transpose() * inner.solve(beside->transpose() * e_.wanted);
-    }
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen((A + A.transpose()) / 2);
-    const VectorXd z = eigen.eigenvectors().transpose() * b;
-    double gain = 0;
-    int seen = 0;
-    for (Index i = 0; i < z.size(); ++i) {
-      const double s2 = eigen.eigenvalues()[i];
-      if (s2 < std::max(kVisible * kVisible, 1e-10 * eigen.eigenvalues().maxCoeff())) continue;
-      gain += z[i] * z[i] / (1 + s2), ++seen;
-    }
-    return {gain, seen};
   }
 
   // Amounts and chi-square (in units of the noise) of given functions.
@@ -418,7 +386,7 @@ class Regression {
         }
     double least = 1;
     for (const MatrixXd& curve : e_.curves) {
-      const auto [gain, seen] = gain_of(curve, &phi);
+      const auto [gain, seen] = curve_gain(e_, curve, &phi);
       if (seen > 0)
         least = std::min(least, std::exp(log_chi2_tail(std::max(0.0, gain / out_.noise), seen)));
     }
@@ -461,34 +429,6 @@ class Regression {
 };
 
 }  // namespace
-
-CurveEvidence in_cells(const CurveEvidence& e, int most) {
-  if (e.x.size() <= most) return e;
-  const double low = e.x.minCoeff(), width = (e.x.maxCoeff() - low) / most;
-  std::vector<int> cell(static_cast<std::size_t>(most), -1);
-  std::vector<Index> of(static_cast<std::size_t>(e.x.size()));
-  int count = 0;
-  for (Index k = 0; k < e.x.size(); ++k) {
-    const auto c = static_cast<std::size_t>(std::min<double>(most - 1, (e.x[k] - low) / width));
-    if (cell[c] < 0) cell[c] = count++;
-    of[static_cast<std::size_t>(k)] = cell[c];
-  }
-  CurveEvidence r = e;
-  r.x = r.weight = r.wanted = VectorXd::Zero(count);
-  r.absorbed = MatrixXd::Zero(e.absorbed.rows(), count);
-  for (MatrixXd& curve : r.curves) curve = MatrixXd::Zero(count, curve.cols());
-  VectorXd poses = VectorXd::Zero(count);
-  for (Index k = 0; k < e.x.size(); ++k) {
-    const Index c = of[static_cast<std::size_t>(k)];
-    poses[c] += 1, r.x[c] += e.x[k];
-    r.weight[c] += e.weight[k], r.wanted[c] += e.wanted[k];
-    r.absorbed.col(c) += e.absorbed.col(k);
-    for (std::size_t i = 0; i < r.curves.size(); ++i) r.curves[i].row(c) += e.curves[i].row(k);
-  }
-  r.x = r.x.cwiseQuotient(poses);
-  for (MatrixXd& curve : r.curves) curve = poses.cwiseInverse().asDiagonal() * curve;
-  return r;
-}
 
 FormulaChoice choose_formula(const CurveEvidence& evidence) { return Regression(evidence).run(); }
 

@@ -1,11 +1,8 @@
 // A formula for a curve of unknown physics: sparse regression over a library of elementary
 // functions (formula_shapes.h), one or two at a time.
 //
-// All is judged modulo what the geometry can take up. With f_k the whitened column of a constant
-// correction of pose k, Q a basis of the geometry's columns and w the projected rows, a correction
-// phi(x_k) has the products
-//     phi^T K phi,  K = diag(f_k^T f_k) - B^T B,  B = Q^T F,   and   phi^T g,  g = -F^T w,
-// so that a formula costs a product, not a fit. Settings are scanned over their range and polished.
+// All is judged modulo what the geometry can take up (curve_evidence.h): a formula costs a product,
+// not a fit. Settings are scanned over their range and polished.
 // Formulas are weighed against each other, and against the free curve, by
 //     BIC = chi-square / noise + (amounts + settings) ln(rows),
 // a choice among n variants costing 2 ln n more; odds are exp(difference / 2). A formula is
@@ -13,25 +10,10 @@
 // curve, and if a free curve beside it finds nothing more.
 #pragma once
 
+#include "framework/diagnosis/curve_evidence.h"
 #include "framework/diagnosis/formula_shapes.h"
 
 namespace talus {
-
-// What the recordings say of a correction as a function of one circumstance.
-struct CurveEvidence {
-  Dimension of;                         // the circumstance
-  Eigen::VectorXd x;                    // of each pose (or cell of poses)
-  Eigen::VectorXd weight, wanted;       // f^T f, g
-  Eigen::MatrixXd absorbed;             // B: directions of the geometry x poses
-  std::vector<Eigen::MatrixXd> curves;  // free curves: values of their pieces at the poses
-  double typical = 1;                   // usual size of the correction
-  double chi2 = 0, freedom = 0;         // of the rows without any correction
-  double rows = 0;
-  bool noise_known = true;
-};
-
-// Many poses are put into cells of nearly equal circumstance.
-CurveEvidence in_cells(const CurveEvidence& evidence, int most);
 
 struct FormulaTerm {
   const Shape* shape = nullptr;

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/diagnosis/covariate_axes.h"
-#include "framework/diagnosis/screen_inside.h"
+#include "framework/diagnosis/curve_place.h"
 #include "framework/diagnosis/tails.h"
 #include "framework/dsl/read.h"
 
@@ -15,126 +14,7 @@ namespace {
 
 using Eigen::Index, Eigen::MatrixXd, Eigen::VectorXd;
 
-constexpr int kCells = 3000;
 constexpr std::size_t kTold = 4;  // rivals named
-
-// What the curve of a finding is a function of, and of what it is a correction.
-struct Site {
-  CovariateAxis axis;
-  int part = -1;
-  CurveEvidence evidence;
-  Dimension corrects;
-};
-
-// The effect with one of its amounts at one, as a function of the circumstances.
-std::vector<Expr> act_of(const Suspect& suspect, const Way& way, const EffectPlace& place,
-                         const std::string& amount) {
-  std::vector<Expr> inputs;
-  for (const Input& i : suspect.plugin->declaration.inputs)
-    if (i.role == Role::amount)
-      inputs.emplace_back(i.name == amount ? 1 : 0);
-    else if (i.role == Role::borrowed)
-      inputs.push_back(place.inputs.at(i.name));
-    else
-      inputs.emplace_back(way.settings.contains(i.name) ? way.settings.at(i.name) : i.otherwise);
-  return suspect.plugin->act(place.around, inputs, way.choices);
-}
-
-// The part of the correction that the curve is; -1 where it is several.
-int part_of(const Accepted& e, const EffectPlace& place) {
-  int part = -1;
-  const std::vector<Expr> u = act_of(e.suspect, e.way, place, e.way.amounts.at(0));
-  for (std::size_t i = 0; i < u.size(); ++i) {
-    if (u[i].is_constant()) continue;
-    if (part >= 0) return -1;
-    part = static_cast<int>(i);
-  }
-  return part;
-}
-
-// The columns of the effect's own amounts, and their priors' rows.
-void take_out(Linearised& at, const Accepted& e) {
-  Baseline& base = at.baseline;
-  const std::string owner = e.suspect.plugin->declaration.tag + "_" + e.suspect.at;
-  std::vector<int> columns, rows, pose;
-  std::vector<bool> drop(static_cast<std::size_t>(base.rows.size()), false);
-  for (std::size_t c = 0; c < at.parameters.size(); ++c) {
-    const auto p = static_cast<std::size_t>(at.parameters[c]);
-    const auto column = static_cast<Index>(c);
-    if (p >= at.program->parameters.size() || at.program->parameters[p].element != owner) {
-      columns.push_back(static_cast<int>(c));
-      continue;
-    }
-    for (Index r = 0; r < base.rows.size(); ++r)
-      if (base.pose[static_cast<std::size_t>(r)] < 0 && base.columns(r, column) != 0)
-        drop[static_cast<std::size_t>(r)] = true;
-  }
-  for (std::size_t r = 0; r < drop.size(); ++r)
-    if (!drop[r]) rows.push_back(static_cast<int>(r)), pose.push_back(base.pose[r]);
-  base.rows = VectorXd(base.rows(rows));
-  base.columns = MatrixXd(base.columns(rows, columns));
-  base.pose = std::move(pose);
-}
-
-std::optional<Site> place_of(const Ground& ground, const Search& search, std::size_t i,
-                             const UnitSystem& units) {
-  // Linear where the fit with the curve ended; the curve is then taken out of the rows.
-  const Accepted& e = search.best.effects.at(i);
-  StageOptions options;
-  options.suspects.only = {e.suspect.plugin->declaration.tag};
-  Linearised at = linearised(ground, search.best, options);
-  const Suspect* suspect = suspect_of(at, e);
-  if (!suspect) return {};
-  const EffectPlace& place = at.program->places[static_cast<std::size_t>(suspect->places[0])];
-  const std::vector<CovariateAxis> axes = covariate_axes(e, place, *at.program, units);
-  if (axes.size() != 1 || suspect->places.size() != 1) return {};
-  Site r{axes[0], part_of(e, place), {}, place.dimension};
-  if (r.part < 0) return {};
-  if (parts_of(place.acts) == 6) r.corrects = r.part < 3 ? length : angle;
-  CurveEvidence& c = r.evidence;
-  c.of = r.axis.dimension;
-  c.x = values_at(at, r.axis.value);
-  if (!c.x.allFinite() || !(c.x.maxCoeff() > c.x.minCoeff())) return {};
-  for (std::size_t w = 0; w < at.suspects.ways.size(); ++w) {
-    const Way& way = at.suspects.ways[w];
-    if (&at.suspects.suspects[static_cast<std::size_t>(way.suspect)] != suspect ||
-        way.choices != e.way.choices)
-      continue;
-    MatrixXd pieces(c.x.size(), static_cast<Index>(way.amounts.size()));
-    for (std::size_t a = 0; a < way.amounts.size(); ++a)
-      pieces.col(static_cast<Index>(a)) = values_at(
-          at, act_of(*suspect, way, place, way.amounts[a])[static_cast<std::size_t>(r.part)]);
-    c.curves.push_back(std::move(pieces));
-    c.typical = way.typical.at(0);
-  }
-  VectorXd curve = VectorXd::Zero(c.x.size());
-  for (std::size_t a = 0; a < e.way.amounts.size(); ++a)
-    curve +=
-        e.amounts[a] * values_at(at, act_of(*suspect, e.way, place,
-                                            e.way.amounts[a])[static_cast<std::size_t>(r.part)]);
-  const VectorXd f = at.columns.col(place.first_field + r.part);
-  for (Index k = 0; k < f.size(); ++k)
-    at.baseline.rows[k] -= f[k] * curve[at.baseline.pose[static_cast<std::size_t>(k)]];
-  take_out(at, e);
-  Candidates none;
-  none.columns.resize(f.size(), 0);
-  const Screen screen(std::move(at.baseline), std::move(none));
-  const Screen::Inside& in = screen.inside();
-  c.weight = c.wanted = VectorXd::Zero(c.x.size());
-  c.absorbed = MatrixXd::Zero(in.Q.cols(), c.x.size());
-  for (std::size_t s = 0; s < in.order.size(); ++s) {
-    const int k = in.pose[s];
-    const double column = f[in.order[s]];
-    c.weight[k] += column * column;
-    c.wanted[k] -= column * in.rest[static_cast<Index>(s)];
-    c.absorbed.col(k) += column * in.Q.row(static_cast<Index>(s)).transpose();
-  }
-  c.chi2 = screen.chi2(), c.freedom = screen.freedom();
-  c.rows = static_cast<double>(in.order.size());
-  c.noise_known = in.noise_known;
-  c = in_cells(c, kCells);
-  return r;
-}
 
 // Names of a term's inputs: those of the second term end with a 2.
 std::string suffix(std::size_t term) { return term == 0 ? "" : std::to_string(term + 1); }
@@ -161,7 +41,7 @@ struct Part {
   bool free = true, amount = true, told = true;
 };
 
-std::vector<Part> parts_of_formula(const FormulaFit& f, const Site& place) {
+std::vector<Part> parts_of_formula(const FormulaFit& f, const CurvePlace& place) {
   std::vector<Part> parts;
   Index next = 0;
   const double range = place.evidence.x.maxCoeff() - place.evidence.x.minCoeff();
@@ -201,7 +81,7 @@ std::string lua_value(double value, Dimension d, const UnitSystem& units) {
 
 class Suggester {
  public:
-  Suggester(const Ground& ground, const Diagnosis& d, std::size_t i, const Site& place)
+  Suggester(const Ground& ground, const Diagnosis& d, std::size_t i, const CurvePlace& place)
       : ground_(ground),
         d_(d),
         index_(i),
@@ -378,7 +258,7 @@ class Suggester {
   const Diagnosis& d_;
   std::size_t index_;
   const Accepted& e_;
-  const Site& place_;
+  const CurvePlace& place_;
   const UnitSystem& units_;
   std::string symbol_, around_;
   Suggestion s_;
@@ -400,7 +280,8 @@ std::optional<Suggestion> suggest_formula(const Ground& ground, const Diagnosis&
                                           std::size_t i) {
   const Accepted& e = diagnosis.search.best.effects.at(i);
   if (!e.suspect.plugin->declaration.effect.unknown || e.way.amounts.empty()) return {};
-  const std::optional<Site> place = place_of(ground, diagnosis.search, i, diagnosis.program->units);
+  const std::optional<CurvePlace> place =
+      curve_place(ground, diagnosis.search, i, diagnosis.program->units);
   if (!place) return {};
   return Suggester(ground, diagnosis, i, *place).run();
 }
