@@ -41,7 +41,7 @@ Finding finding(const Accepted& e, const Member& m, double poses, double rows,
 bool remainder(const Finding& f, const std::vector<Finding>& all) {
   return std::any_of(all.begin(), all.end(), [&](const Finding& other) {
     return &f != &other && other.effect != "unknown" && one_place(f.accepted, other.accepted) &&
-           f.delta_chi2 < kRemainder * other.delta_chi2;
+           !one_kind(f.accepted, other.accepted) && f.delta_chi2 < kRemainder * other.delta_chi2;
   });
 }
 
@@ -75,7 +75,13 @@ bool one_place(const Accepted& a, const Accepted& b) {
 }
 
 bool one_kind(const Accepted& a, const Accepted& b) {
-  return a.suspect.plugin->declaration.effect.acts == b.suspect.plugin->declaration.effect.acts;
+  const EffectTraits &one = a.suspect.plugin->declaration.effect,
+                     &other = b.suspect.plugin->declaration.effect;
+  // An error of a reading and one of its joint's coordinate are the same to the linkage.
+  auto channel = [](const EffectTraits& e) {
+    return e.acts == Acts::reading ? Acts::coordinate : e.acts;
+  };
+  return channel(one) == channel(other) && one.needs == other.needs;
 }
 
 std::vector<Fault> without_correlated(const Ground& ground, const NoiseVerdict& noise,

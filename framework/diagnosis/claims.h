@@ -35,8 +35,8 @@ struct Claims {
   std::vector<Fault> faults;
 };
 
-// Two effects of one joint: of its sensor, axis or link; and of one kind, so that together they may
-// be the shape of something third.
+// Two effects of one joint: of its sensor, axis or link; and of one kind, in what they move and what
+// they depend on, so that together they may be the shape of something third.
 bool one_place(const Accepted& a, const Accepted& b);
 bool one_kind(const Accepted& a, const Accepted& b);
 

@@ -23,8 +23,6 @@ struct AxisMigration {
         .form({"x", "y"})
         .form({"tilt_x", "tilt_y"})
         .form({"x", "y", "tilt_x", "tilt_y"})
-        .form({"x", "y", "tilt_x", "tilt_y", "x_squared", "y_squared", "tilt_x_squared",
-               "tilt_y_squared"})
         .shown(magnitude("shift", "direction", {"x", "y"}))
         .shown(magnitude("tilt", "direction", {"tilt_x", "tilt_y"}));
   }
