@@ -11,6 +11,8 @@
 namespace talus {
 namespace {
 
+constexpr double kNoBetter = 0.05;  // chance of gains as large: where on average there is a loss
+
 constexpr double kImpossible = 1e-6;  // chance of a misfit
 
 Eigen::VectorXd squares(const Problem::Residuals& r) {
@@ -196,7 +198,8 @@ class Diagnoser {
       d_.program_after = std::move(after);
     }
     compare();
-    if (claimed_ && d_.heldout.after_low > d_.heldout.before) {
+    const HeldOut& h = d_.heldout;
+    if (claimed_ && (h.after_low > h.before || (h.after > h.before && h.p_value > kNoBetter))) {
       d_.withdrawn = true;
       d_.extended_model = model_;
       d_.after = clean_, d_.program_after = d_.program;
