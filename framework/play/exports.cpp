@@ -1,0 +1,2 @@
+#ifdef __EMSCRIPTEN__
+#endif
