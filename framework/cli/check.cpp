@@ -82,12 +82,9 @@ std::string axes_text(const Program& program) {
   const Unit mm = program.units.length, degrees = program.units.angle;
   std::string out;
   for (std::size_t b = 0; b < axes.size(); ++b) {
-    // The nearest joint before it that moves; several coordinates of one joint are taken in turn.
-    const JointAxis* before = nullptr;
-    for (int f = axes[b].frame; f >= 0 && !before; f = program.frames[f].parent)
-      for (std::size_t a = b; a-- > 0 && !before;)
-        if (axes[a].frame == f) before = &axes[a];
-    if (!before) continue;
+    const int a = axis_before(program, axes, b);
+    if (a < 0) continue;
+    const JointAxis* before = &axes[a];
     const Apart between = apart(*before, axes[b]);
     const double acute = std::min(between.angle, 180 * deg - between.angle);
     if (!std::isfinite(acute) || !std::isfinite(between.distance)) continue;
