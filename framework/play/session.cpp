@@ -5,6 +5,7 @@
 #include "framework/calibration/circumstances.h"
 #include "framework/calibration/settings.h"
 #include "framework/dsl/dsl.h"
+#include "framework/kinematics/pose_values.h"
 #include "framework/page/linkage.h"
 #include "framework/page/page_state.h"
 #include "framework/report/plugin_json.h"
