@@ -199,6 +199,8 @@ export function createViewer(element, scene, options = {}) {
     get values() { return values; },
     update(coordinates, base) { viewer.show(valuesAt(scene, coordinates, base)); },
     show(out) { values = out; rebuild(); },
+    // Another linkage in the same view.
+    scene(other, out) { scene = other; values = out ?? valuesAt(scene, atRest(scene)); rebuild(); },
     // [{values, colour, scene}]: further linkages in thin lines; scene where it is another's.
     ghosts(list) { ghosts = list; rebuild(); },
     // [{from, to, colour, tip} | {at, colour}] in mm in the root frame.
