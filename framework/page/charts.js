@@ -77,7 +77,7 @@ export function residualChart(store) {
   if (!measures.length) return null;
   const against = covariates(store), box = h("div", { class: "chart", id: "residuals", tabindex: 0, role: "img" });
   const count = after.rows.find(r => r.residuals).residuals.length;
-  let measure = measures[0].name, x = against[0], what = before ? "both" : "after", order = [], xs = [];
+  let measure = measures[0].name, x = against[0], what = before && before.label !== "nominal" ? "both" : "after", order = [], xs = [];
   const summary = h("p", { class: "note", "aria-live": "polite" });
 
   function columnsOf() {
@@ -195,7 +195,7 @@ export function residualChart(store) {
   });
   store.on("pose", () => chart.chart?.redraw(false));
   const choose = (label, options, f, id) => h("label", {}, label, " ", h("select", { id, onchange: e => { f(e.target.value); chart.redraw(); } },
-    options.map(([value, text]) => h("option", { value }, text))));
+    options.map(([value, text]) => h("option", { value, selected: value === what }, text))));
   const tools = h("div", { class: "tools" },
     choose("of", measures.map(r => [r.name, r.name]), v => { measure = v; }, "measure"),
     choose("against", against.map((c, i) => [i, c.name]), v => { x = against[+v]; }, "against"),

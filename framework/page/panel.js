@@ -14,6 +14,17 @@ export function makePanel(element, store) {
   const flat = location.hash === "#flat";
   const viewer = createViewer(view, store.scene, { flat, values: store.outputs(store.current) });
   viewer.onpick = key => store.light(key);
+  function roomFor() {  // for the recorded poses, or a few of very many
+    const list = [viewer.values], count = store.poseCount(), state = store.withPoses();
+    const keep = new Map(store.values);
+    for (let i = 0; i < Math.min(count, 60); ++i) {
+      store.take(Math.floor(i * count / Math.min(count, 60)));
+      list.push(store.outputs(state));
+    }
+    store.values = keep;
+    viewer.frame(count ? list.slice(1) : list);
+  }
+  roomFor();
   const show = { ghosts: new Set(), measured: true, arrows: data.columns.length > 0, factor: 1, all: false };
   // A factor that makes the largest arrow about a twentieth of the linkage.
   show.factor = usualFactor();
@@ -121,7 +132,8 @@ export function makePanel(element, store) {
         [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].map(f => h("option", { value: f, selected: f === show.factor }, f)))),
       check("at all poses", false, on => { show.all = on; update(); }));
   }
-  element.append(tools, parts, looks);
+  parts.append(...looks.childNodes);
+  element.append(tools, parts);
 
   // Recorded poses.
   let playing = 0, began = 0, from = 0;
