@@ -172,7 +172,7 @@ export function residualChart(store) {
     const words = [];
     for (const s of [before, after].filter(Boolean))
       words.push(data.use.includes("c") ? `${s.label}: ${number(of(s, true), 3)} held out, ${number(of(s, false), 3)} fitted` : `${s.label}: ${number(of(s, null), 3)}`);
-    summary.textContent = `Root mean square of ${measure}${unit ? ` in ${unit}` : ""}: ${words.join("; ")}.${sigma ? " The band is one stated sigma." : ""}`;
+    summary.textContent = `Root mean square of ${measure}${unit ? ` in ${unit}` : ""}: ${words.join("; ")}.${sigma ? " The band is one stated sigma of what is measured." : ""}`;
     box.setAttribute("aria-label", `Residuals of ${measure} against ${x.name}. ${summary.textContent} Left and right arrows choose a pose.`);
     return made;
   });
@@ -226,7 +226,7 @@ export function curveChart(curve) {
     return marker(shape, colour, filled)(u, i, from, to);
   };
   holder(box, width => {
-    const colours = palette(), unit = unitText(curve.y_unit);
+    const colours = palette(), unit = unitText(curve.unit);
     return new uPlot({
       width: Math.min(width, 760), height: 240, scales: { x: { time: false } },
       axes: [bottom(colours, `${curve.x}${unitText(curve.x_unit) ? ` (${curve.x_unit})` : ""}`), left(colours, `${curve.y}${unit ? ` (${unit})` : ""}`)],

@@ -21,7 +21,7 @@ export function extentOf(scene, values) {
   if (!points.length) points.push([0, 0, 0]);
   const low = [0, 1, 2].map(i => Math.min(...points.map(p => p[i])));
   const high = [0, 1, 2].map(i => Math.max(...points.map(p => p[i])));
-  return { low, high, size: norm(sub(high, low)) || 100 };
+  return { points, low, high, size: norm(sub(high, low)) || 100 };
 }
 
 // options: size, colours, show {bodies, joints, frames, apart, features, names}, ghost (a colour:
