@@ -168,6 +168,7 @@ void add_diagnose(CLI::App& app) {
   command->add_flag("--sensitivity", o->text.sensitivity,
                     "the smallest magnitude that would have been seen, of every suspect");
   add_points(*command, o->points);
+  add_html(*command, o->html);
   add_common(*command, o->common, true, true);
   command->callback([o] { run(*o); });
 }

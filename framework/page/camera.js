@@ -32,14 +32,13 @@ export class Camera {
   fit(extent) {
     this.target = times(0.5, add(extent.low, extent.high));
     const { right, up } = this.basis();
-    let w = 0, h = 0;
-    for (let c = 0; c < 8; ++c) {
-      const d = sub([0, 1, 2].map(i => c >> i & 1 ? extent.high[i] : extent.low[i]), this.target);
-      w = Math.max(w, Math.abs(dot(d, right)));
-      h = Math.max(h, Math.abs(dot(d, up)));
-    }
-    const rim = 0.1 * extent.size;
-    this.scale = Math.min(this.width / 2 / (w + rim), this.height / 2 / (h + rim));
+    const range = axis => {
+      const along = extent.points.map(p => dot(sub(p, this.target), axis));
+      return [Math.min(...along), Math.max(...along)];
+    };
+    const [l, r] = range(right), [b, t] = range(up), rim = 0.09 * extent.size;
+    this.target = add(this.target, add(times((l + r) / 2, right), times((b + t) / 2, up)));
+    this.fitted = this.scale = Math.min(this.width / (r - l + 2 * rim), this.height / (t - b + 2 * rim));
   }
   orbit(dx, dy) {
     this.azimuth -= dx;

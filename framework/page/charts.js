@@ -77,7 +77,7 @@ export function residualChart(store) {
   if (!measures.length) return null;
   const against = covariates(store), box = h("div", { class: "chart", id: "residuals", tabindex: 0, role: "img" });
   const count = after.rows.find(r => r.residuals).residuals.length;
-  let measure = measures[0].name, x = against[0], what = before ? "both" : "after", order = [], xs = [];
+  let measure = measures[0].name, x = against[0], what = before && before.label !== "nominal" ? "both" : "after", order = [], xs = [];
   const summary = h("p", { class: "note", "aria-live": "polite" });
 
   function columnsOf() {
@@ -172,7 +172,7 @@ export function residualChart(store) {
     const words = [];
     for (const s of [before, after].filter(Boolean))
       words.push(data.use.includes("c") ? `${s.label}: ${number(of(s, true), 3)} held out, ${number(of(s, false), 3)} fitted` : `${s.label}: ${number(of(s, null), 3)}`);
-    summary.textContent = `Root mean square of ${measure}${unit ? ` in ${unit}` : ""}: ${words.join("; ")}.${sigma ? " The band is one stated sigma." : ""}`;
+    summary.textContent = `Root mean square of ${measure}${unit ? ` in ${unit}` : ""}: ${words.join("; ")}.${sigma ? " The band is one stated sigma of what is measured." : ""}`;
     box.setAttribute("aria-label", `Residuals of ${measure} against ${x.name}. ${summary.textContent} Left and right arrows choose a pose.`);
     return made;
   });
@@ -195,7 +195,7 @@ export function residualChart(store) {
   });
   store.on("pose", () => chart.chart?.redraw(false));
   const choose = (label, options, f, id) => h("label", {}, label, " ", h("select", { id, onchange: e => { f(e.target.value); chart.redraw(); } },
-    options.map(([value, text]) => h("option", { value }, text))));
+    options.map(([value, text]) => h("option", { value, selected: value === what }, text))));
   const tools = h("div", { class: "tools" },
     choose("of", measures.map(r => [r.name, r.name]), v => { measure = v; }, "measure"),
     choose("against", against.map((c, i) => [i, c.name]), v => { x = against[+v]; }, "against"),
@@ -226,7 +226,7 @@ export function curveChart(curve) {
     return marker(shape, colour, filled)(u, i, from, to);
   };
   holder(box, width => {
-    const colours = palette(), unit = unitText(curve.y_unit);
+    const colours = palette(), unit = unitText(curve.unit);
     return new uPlot({
       width: Math.min(width, 760), height: 240, scales: { x: { time: false } },
       axes: [bottom(colours, `${curve.x}${unitText(curve.x_unit) ? ` (${curve.x_unit})` : ""}`), left(colours, `${curve.y}${unit ? ` (${unit})` : ""}`)],

@@ -117,13 +117,10 @@ void page_of_fit(PageContent& content, const Program& program, const Recordings&
     content.sentences.push_back(fmt::format(
         "No rows were held out. On the {} fitted the residuals are {:.3g} (root mean square): {}.",
         poses_text(fit.poses_fit), fit.fit_rms, errors_text(fit.measures_fit, program.units)));
-  if (fit.noise_known && fit.chi2_p < 0.001)
-    content.sentences.push_back(fmt::format(
-        "What is left is {:.3g} times the stated noise. `talus diagnose` asks what physics the "
-        "model leaves out.",
-        fit.noise_scale));
   tell_seen(content, fit.seen);
   content.sentences.insert(content.sentences.end(), fit.warnings.begin(), fit.warnings.end());
+  if (fit.noise_known && fit.chi2_p < 0.001)
+    content.sentences.emplace_back("talus diagnose asks what physics the model leaves out.");
   content.states.push_back(given_state("nominal", program, recordings, 1));
   content.states.push_back(fitted_state("calibrated", program, recordings, fit));
   content.recordings = &recordings;

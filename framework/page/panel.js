@@ -14,15 +14,27 @@ export function makePanel(element, store) {
   const flat = location.hash === "#flat";
   const viewer = createViewer(view, store.scene, { flat, values: store.outputs(store.current) });
   viewer.onpick = key => store.light(key);
+  function roomFor() {  // for the recorded poses, or a few of very many
+    const list = [viewer.values], count = store.poseCount(), state = store.withPoses();
+    const keep = new Map(store.values);
+    for (let i = 0; i < Math.min(count, 60); ++i) {
+      store.take(Math.floor(i * count / Math.min(count, 60)));
+      list.push(store.outputs(state));
+    }
+    store.values = keep;
+    viewer.frame(count ? list.slice(1) : list);
+  }
+  roomFor();
   const show = { ghosts: new Set(), measured: true, arrows: data.columns.length > 0, factor: 1, all: false };
-  // A factor that makes the largest arrow about a twentieth of the linkage.
+  // A factor that makes the usual arrow about a tenth of the linkage.
   show.factor = usualFactor();
 
   function usualFactor() {
-    let largest = 0;
+    let sum = 0, count = 0;
     for (const list of Object.values(store.current.offsets ?? {}))
-      for (let k = 0; k < (list[0]?.length ?? 0); ++k) largest = Math.max(largest, Math.hypot(list[0][k], list[1][k], list[2][k]) || 0);
-    const wanted = 0.06 * sizeOf() / (largest || 1);
+      for (let k = 0; k < (list[0]?.length ?? 0); ++k)
+        if (list[0][k] !== null) { sum += list[0][k] ** 2 + list[1][k] ** 2 + list[2][k] ** 2; ++count; }
+    const wanted = 0.12 * sizeOf() / (Math.sqrt(sum / count) || 1);
     return [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].findLast(f => f <= wanted) ?? 1;
   }
   function sizeOf() {
@@ -106,12 +118,14 @@ export function makePanel(element, store) {
     check("all frames", false, on => viewer.visible({ frames: on ? "all" : true })),
     check("angle and distance of axes", false, on => viewer.visible({ apart: on })),
     check("names", true, on => viewer.visible({ names: on })));
-  const looks = h("div", { class: "tools" }, "view",
+  const looks = h("div", { class: "tools" }, h("span", { class: "together" }, "view ",
     Object.entries(views).map(([name, [a, e]]) => h("button", { type: "button", onclick: () => viewer.from(a, e) }, name)),
-    h("button", { type: "button", title: "0", onclick: () => viewer.fit() }, "fit"),
+    h("button", { type: "button", title: "0", onclick: () => viewer.fit() }, "fit")),
     h("label", {}, "up ", h("select", { onchange: e => viewer.up(e.target.value) },
       ["z", "y", "x", "-z", "-y", "-x"].map(a => h("option", {}, a)))));
   tools.append(...ghostBoxes.filter(Boolean));
+  const hideOwn = () => ghostBoxes.forEach((box, i) => { if (box) box.hidden = i === store.state; });
+  hideOwn();
   const hasOffsets = states.some(s => s.offsets && Object.keys(s.offsets).length);
   if (hasOffsets) {
     tools.append(check("measured", true, on => { show.measured = on; update(); }),
@@ -121,7 +135,8 @@ export function makePanel(element, store) {
         [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].map(f => h("option", { value: f, selected: f === show.factor }, f)))),
       check("at all poses", false, on => { show.all = on; update(); }));
   }
-  element.append(tools, parts, looks);
+  parts.append(...looks.childNodes);
+  element.append(tools, parts);
 
   // Recorded poses.
   let playing = 0, began = 0, from = 0;
@@ -155,6 +170,7 @@ export function makePanel(element, store) {
   store.on("state", () => {
     const select = element.querySelector("#state");
     if (select) select.value = store.state;
+    hideOwn();
     rebuild();
   });
   store.on("pose", () => {

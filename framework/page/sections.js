@@ -39,7 +39,7 @@ export function findings(store) {
   const { report } = store.data;
   if (!report?.findings) return null;
   const card = (f, kind) => {
-    const parts = [h("p", {}, f.statement)];
+    const parts = store.data.sentences.includes(f.statement) ? [] : [h("p", {}, f.statement)];
     if (f.curve?.points.length) parts.push(curveChart(f.curve));
     if (f.formula?.statement) parts.push(h("p", {}, f.formula.statement, f.formula.expression ? h("code", {}, " " + f.formula.expression) : null));
     parts.push(table([T("parameter"), N("value"), N("std"), T("unit")], f.parameters.map(p => [spoken(p.name), withStd(p.value, p.std), number(p.std, 2), unitText(p.unit)])));
@@ -73,12 +73,12 @@ export function suspects(store) {
   const rows = [...report.sensitivity].sort((a, b) => (a.smallest_visible === null) - (b.smallest_visible === null)
     || a.smallest_visible / a.typical - b.smallest_visible / b.typical);
   const verdictOf = s => found.has(s.effect + " " + s.location) ? "found" : hinted.has(s.effect + " " + s.location) ? "hint"
-    : s.smallest_visible === null ? "cannot be seen" : s.smallest_visible > s.typical ? "would not be seen at its usual size" : "rejected: would be seen, was not";
+    : s.smallest_visible === null ? "cannot be seen" : s.smallest_visible > s.typical ? "not excluded" : "rejected";
   const cells = rows.map(s => [spoken(s.effect), s.location, verdictOf(s), s.smallest_visible === null ? "–" : number(s.smallest_visible, 3), number(s.typical, 3),
     unitText(s.unit), s.visible_share === null ? "–" : number(100 * s.visible_share, 3), s.nearest_rival ? spoken(s.nearest_rival) : "–", s.nearest_rival ? number(100 * s.imitated, 3) : "–"]);
   const body = h("div", { class: "tall", tabindex: 0 }, table([T("suspect"), T("place"), T("verdict"), N("smallest seen"), N("usual"), T("unit"), N("% left by geometry"),
     T("nearest rival"), N("% imitated")], cells));
-  const parts = [h("p", { class: "note" }, "Every effect at every place: the smallest magnitude that 80 of 100 such recordings would have shown, what is usual, and what it would be taken for."), body];
+  const parts = [h("p", { class: "note" }, "Every effect at every place: the smallest magnitude that 80 of 100 such recordings would have shown, what is usual, and what it would be taken for. Rejected: at its usual size it would have been seen, and was not. Not excluded: it would not have been seen."), body];
   if (report.untestable?.length) parts.push(h("details", {}, h("summary", {}, `${report.untestable.length} suspects that these recordings cannot test`),
     table([T("suspect"), T("place"), T("not recorded")], report.untestable.map(u => [spoken(u.effect), u.location, u.lacks]))));
   if (report.twins?.length) parts.push(h("details", {}, h("summary", {}, "Groups that no pose of these kinds tells apart"), report.twins.map(t => h("p", {}, spoken(t.join(", "))))));
@@ -92,11 +92,11 @@ export function parameters(store) {
   const before = report?.baseline, after = report?.after && report.findings?.length ? report.after : null, fit = after ?? before;
   if (!fit?.parameters?.length) return null;
   const list = [...fit.parameters, ...fit.shared].filter(p => !p.held_out), old = new Map((before?.parameters ?? []).map(p => [p.name, p]));
-  const columns = [T("parameter"), N("nominal"), ...(after ? [N("before")] : []), N(after ? "after" : "calibrated"), N("difference"), N("std"), N("tolerance"), T("unit"), T("seen")];
+  const columns = [T("parameter"), T(""), N("nominal"), ...(after ? [N("before")] : []), N(after ? "after" : "calibrated"), N("difference"), N("std"), N("tolerance"), T("seen")];
   const rows = list.map(p => {
     const seen = p.at_bound ? "at its bound" : p.identifiable ? "yes" : "not on its own";
-    return [p.name, number(p.nominal, 6), ...(after ? [old.has(p.name) ? withStd(old.get(p.name).value, p.std) : "–"] : []), withStd(p.value, p.std),
-      signed(p.difference, 3), number(p.std, 2), p.tolerance === null ? "–" : number(p.tolerance, 3), unitText(p.unit),
+    return [p.name, unitText(p.unit), number(p.nominal, 6), ...(after ? [old.has(p.name) ? withStd(old.get(p.name).value, p.std) : "–"] : []), withStd(p.value, p.std),
+      signed(p.difference, 3), number(p.std, 2), p.tolerance === null ? "–" : number(p.tolerance, 3),
       seen === "yes" ? seen : h("span", { class: "bad" }, seen)];
   });
   return section("parameters", "Parameters", h("div", { class: "tall", tabindex: 0 }, table(columns, rows, { onrow: k => store.light(store.keyOf(list[k].name)), keys: list.map(p => p.name) })),

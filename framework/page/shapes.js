@@ -21,7 +21,7 @@ export function extentOf(scene, values) {
   if (!points.length) points.push([0, 0, 0]);
   const low = [0, 1, 2].map(i => Math.min(...points.map(p => p[i])));
   const high = [0, 1, 2].map(i => Math.max(...points.map(p => p[i])));
-  return { low, high, size: norm(sub(high, low)) || 100 };
+  return { points, low, high, size: norm(sub(high, low)) || 100 };
 }
 
 // options: size, colours, show {bodies, joints, frames, apart, features, names}, ghost (a colour:
@@ -66,9 +66,9 @@ export function shapesOf(scene, values, options) {
     const key = "frame:" + bone.from;
     points.slice(1).forEach((p, i) => {
       if (ghost) return line(points[i], p, ghost, 1.6);
-      rod(points[i], p, (bone.stem ? 2 : 5.5) * u,
+      rod(points[i], p, (bone.stem ? 2.6 : 8) * u,
           bone.stem ? colours.stem : bone.body % 2 ? colours.rod : colours.rod2, key);
-      if (!bone.stem && i > 0) out.balls.push({ at: points[i], radius: 5.5 * u,
+      if (!bone.stem && i > 0) out.balls.push({ at: points[i], radius: 8 * u,
         colour: bone.body % 2 ? colours.rod : colours.rod2, key });
     });
   }
@@ -91,8 +91,8 @@ export function shapesOf(scene, values, options) {
     const l = axisLine(scene, values, axis);
     if (!l || !axis.moves || !isPoint(l.centre)) return;
     const key = "joint:" + axis.joint, n = Math.min(5, axis.met);
-    const radius = 11 * u * 0.74 ** n, half = 18 * u * 1.32 ** n;
-    const reach = times(half + 36 * u, l.direction);
+    const radius = 15 * u * 0.74 ** n, half = 24 * u * 1.32 ** n;
+    const reach = times(half + 46 * u, l.direction);
     if (ghost) return line(sub(l.centre, times(0.7, reach)), add(l.centre, times(0.7, reach)), ghost, 1, 6 * u);
     if (l.turns) {
       rod(sub(l.centre, times(half, l.direction)), add(l.centre, times(half, l.direction)), radius,

@@ -115,13 +115,12 @@ export function createViewer(element, scene, options = {}) {
 
   function resize() {
     const width = element.clientWidth || 600, height = element.clientHeight || 400;
-    const first = camera.width === 100, grown = width / camera.width;
-    camera.width = width;
-    camera.height = height;
+    const zoom = camera.scale / camera.fitted, target = camera.target;
+    Object.assign(camera, { width, height });
     painter.resize(width, height);
-    if (first) camera.fit(extent);
-    else if (Number.isFinite(grown) && grown > 0) camera.scale *= Math.min(grown, 4);
-    redraw();
+    camera.fit(extent);
+    if (Number.isFinite(zoom) && zoom !== 1) { camera.scale *= zoom; camera.target = target; }
+    paintNow();
   }
   const observer = new ResizeObserver(resize);
   observer.observe(element);
@@ -213,7 +212,8 @@ export function createViewer(element, scene, options = {}) {
     frame(list) {
       const all = list.map(v => extentOf(scene, v));
       extent = { low: [0, 1, 2].map(i => Math.min(...all.map(e => e.low[i]))),
-                 high: [0, 1, 2].map(i => Math.max(...all.map(e => e.high[i]))), size: extent.size };
+                 high: [0, 1, 2].map(i => Math.max(...all.map(e => e.high[i]))), size: extent.size,
+                 points: all.flatMap(e => e.points) };
       camera.fit(extent);
       rebuild();
     },
@@ -223,11 +223,11 @@ export function createViewer(element, scene, options = {}) {
       const small = new Camera(), colours = palette();
       Object.assign(small, { up: camera.up, azimuth: camera.azimuth, elevation: camera.elevation,
                              width: canvas.width, height: canvas.height });
-      small.fit(extent);
+      small.fit(extentOf(scene, of));
       const context = canvas.getContext("2d");
       context.fillStyle = colours.paper;
       context.fillRect(0, 0, canvas.width, canvas.height);
-      const list = [shapesOf(scene, of, { size: 1.2 * extent.size, colours, show: { names: false } }), ...extra];
+      const list = [shapesOf(scene, of, { size: 1.3 * extentOf(scene, of).size, colours, show: { names: false } }), ...extra];
       paint(context, small, joined(list), colours);
     },
     paint: paintNow,
