@@ -1,13 +1,20 @@
 // The core of Talus in a worker of its own, so that nothing it does stops the page. A request that
 // takes too long ends with its worker; the next one finds a new worker.
 //
-//     const core = startCore(text, files);
+//     const core = startCore(await coreOf(document), files);
 //     const read = await core.ask({ do: "read", text, file }, 5);     // at most 5 seconds
 //     core.stop();                                                    // whatever is being done
-import glue from "./worker.js";
+import glue from "./worker.txt";
 
-export function startCore(coreText, files = {}) {
-  const url = URL.createObjectURL(new Blob([coreText, "\n", glue], { type: "text/javascript" }));
+// The core as it stands in the page: its script, and the module, compressed.
+export async function coreOf(page) {
+  const packed = Uint8Array.from(atob(page.getElementById("module").textContent.replace(/\s/g, "")), c => c.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return { script: page.getElementById("core").textContent, module: await new Response(stream).arrayBuffer() };
+}
+
+export function startCore({ script, module }, files = {}) {
+  const url = URL.createObjectURL(new Blob([script, "\n", glue], { type: "text/javascript" }));
   let worker = null, next = 0, waiting = new Map();
 
   function begin() {
@@ -21,7 +28,7 @@ export function startCore(coreText, files = {}) {
       else one.resolve(JSON.parse(data.answer));
     };
     worker.onerror = event => { event.preventDefault(); stop(`The core cannot be run here: ${event.message}`); };
-    worker.postMessage({ id: ++next, files });
+    worker.postMessage({ id: ++next, module, files });
   }
   const failed = text => ({ error: { text, file: "", line: 0, column: 0 }, stopped: true });
   function stop(why = "stopped") {
