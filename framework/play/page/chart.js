@@ -31,7 +31,7 @@ export function residualChart(onpose) {
   const box = h("div", { class: "chart", role: "img", tabindex: 0 }), words = h("p", { class: "note" });
   const measure = h("select", { "aria-label": "residual of", onchange: () => draw() });
   const against = h("select", { "aria-label": "against", onchange: () => draw() });
-  const element = h("div", {}, h("div", { class: "tools" }, h("label", {}, "Residuals of ", measure), h("label", {}, "against ", against)), box, words);
+  const element = h("div", { hidden: true }, h("div", { class: "tools" }, h("label", {}, "Residuals (measured − modelled) of ", measure), h("label", {}, "against ", against)), box, words);
 
   function options(select, names) {
     const before = select.value;
@@ -62,7 +62,7 @@ export function residualChart(onpose) {
     chart = new uPlot({ width: Math.max(260, width), height: 240, series, scales: { x: { time: false } }, legend: { live: false },
       cursor: { points: { show: false }, drag: { x: false, y: false } },
       axes: [axis(at < 0 ? "pose" : `${coordinate.name}${unitText(coordinate.unit) ? ` (${coordinate.unit})` : ""}`, 34),
-        axis(`${row.name}, measured − modelled${unit ? ` (${unit})` : ""}`, 58)],
+        axis(`${row.name}${unit ? ` (${unit})` : ""}`, 58)],
       hooks: { drawAxes: [u => {
         const { ctx } = u, y0 = u.valToPos(0, "y", true);
         ctx.save();
@@ -112,6 +112,7 @@ export function residualChart(onpose) {
         options(measure, states[0].rows.map(r => r.name));
         options(against, ["pose", ...scene.coordinates.filter((c, i) => new Set(states[0].coordinates[i]).size > 1).map(c => c.name)]);
       }
+      element.hidden = !states.length;
       draw();
     },
     choose(m, a) {

@@ -30,7 +30,7 @@ export function startCore({ script, module }, files = {}) {
     worker.onerror = event => { event.preventDefault(); stop(`The core cannot be run here: ${event.message}`); };
     worker.postMessage({ id: ++next, module, files });
   }
-  const failed = text => ({ error: { text, file: "", line: 0, column: 0 }, stopped: true });
+  const failed = text => ({ error: { text, file: "", line: 0, column: 0 }, ended: true });
   function stop(why = "stopped") {
     worker?.terminate();
     worker = null;

@@ -56,7 +56,7 @@ export function createEditor(parent, { onchange, online }) {
   const languageOf = () => file.endsWith(".lua") ? StreamLanguage.define(lua)
     : plugins.length ? xml(schema(plugins)) : xmlLanguage;
   const extensions = [lineNumbers(), history(), drawSelection(), bracketMatching(), closeBrackets(), autocompletion(),
-    highlightActiveLine(), highlightSelectionMatches(), lintGutter(), lit, syntaxHighlighting(colours), language.of(languageOf()),
+    EditorView.lineWrapping, highlightActiveLine(), highlightSelectionMatches(), lintGutter(), lit, syntaxHighlighting(colours), language.of(languageOf()),
     EditorView.contentAttributes.of({ "aria-label": "The model's text" }), EditorState.tabSize.of(2),
     keymap.of([...defaultKeymap, ...historyKeymap, ...searchKeymap, ...completionKeymap, indentWithTab]),
     EditorView.updateListener.of(update => {

@@ -1,6 +1,6 @@
 // Each joint as a product of elementary motions, its matrix at the posture shown, and how
 // consecutive axes stand to each other.
-import { h, number, table, unitText } from "../../page/dom.js";
+import { h, number, table, unitText, withStd } from "../../page/dom.js";
 import { origin } from "../../page/linkage.js";
 import { axesTable } from "./stage.js";
 
@@ -58,7 +58,7 @@ export function parametersTable(parameters, fit) {
   const columns = [{ title: "parameter", text: true }, { title: "model" }, ...(fit ? [{ title: "solved" }, { title: "±" }] : [{ title: "tolerance" }]), { title: "", text: true }];
   return table(columns, parameters.map(p => {
     const s = solved.get(p.name);
-    return [p.name, number(p.value, 7), ...(fit ? [s ? number(s.value, 7) : "–", s?.std === null || s?.std === undefined ? "–" : number(s.std, 2)]
+    return [p.name, number(p.value, 7), ...(fit ? [s ? withStd(s.value, s.std) : "–", s?.std === null || s?.std === undefined ? "–" : number(s.std, 2)]
       : [p.tolerance === undefined ? "free" : number(p.tolerance, 4)]), unitText(p.unit) + (s && s.identifiable === false ? " · not seen" : "")];
   }));
 }

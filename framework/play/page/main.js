@@ -72,7 +72,7 @@ function problem(error) {
 async function readNow() {
   const mine = ++version, answer = await ask({ do: "read", text: editor.text, file: editor.file }, 5);
   if (mine !== version) return false;
-  if (answer.stopped) await remember();
+  if (answer.ended) await remember();
   problem(answer.error);
   if (answer.error) { status("The picture is of the last model that could be read."); return false; }
   Object.assign(page, { scene: answer.scene, elements: answer.elements, parameters: answer.parameters, values: answer.values, fit: null, answer: null });
@@ -123,7 +123,7 @@ async function solve(request, word) {
   cancel.hidden = false;
   const answer = await ask(request);
   cancel.hidden = true;
-  if (answer.stopped) { await remember(); await readNow(); }
+  if (answer.ended) { await remember(); await readNow(); }
   if (mine !== version) return null;
   if (answer.error) { verdict.replaceChildren(h("p", {}, answer.error.text)); return null; }
   answer.seconds = (performance.now() - began) / 1000;
