@@ -221,5 +221,5 @@ async function start() {
   await begin(lessons.some(l => l.id === hash()) ? hash() : given ? "" : lessons[0].id);
   document.body.dataset.ready = "yes";
 }
-globalThis.talusPlay = { page, stage, editor, chart, ask: request => ask(request), act, begin, faults };  // for tests
+globalThis.talusPlay = { page, stage, editor, chart, ask: request => ask(request), act, begin, faults, readNow };  // for tests
 start();
