@@ -8,6 +8,7 @@
 #include "framework/calibration/settings.h"
 #include "framework/kinematics/posture.h"
 #include "framework/page/javascript.h"
+#include "framework/page/page_state.h"
 #include "framework/report/draw_scene.h"
 
 namespace talus {
@@ -104,9 +105,9 @@ class Describer {
                      {"column", c.column},
                      {"unit", unit.text},
                      {"factor", unit.factor},
-                     {"rest", c.rest / unit.factor},
-                     {"low", low / unit.factor},
-                     {"high", high / unit.factor},
+                     {"rest", rounded(c.rest / unit.factor, 12)},
+                     {"low", rounded(low / unit.factor, 12)},
+                     {"high", rounded(high / unit.factor, 12)},
                      {"limited", c.range.has_value()},
                      {"circumstance", c.covariate},
                      {"slot", slot(i)}});
