@@ -72,7 +72,8 @@ export function residualChart(store) {
   const judged = data.states.map((s, i) => ({ s, i })).filter(({ s }) => s.rows.some(r => r.residuals));
   if (!judged.length) return null;
   // Before and after: the last two states with residuals; a single one stands alone.
-  const [before, after] = judged.length > 1 ? judged.slice(-2).map(j => j.s) : [null, judged[0].s];
+  // Of `axes` the states are different recordings, of which the first is shown.
+  const [before, after] = judged.length > 1 && data.command !== "axes" ? judged.slice(-2).map(j => j.s) : [null, judged.at(-1).s];
   const measures = after.rows.filter(r => r.residuals?.some(v => v !== null));
   if (!measures.length) return null;
   const against = covariates(store), box = h("div", { class: "chart", id: "residuals", tabindex: 0, role: "img" });

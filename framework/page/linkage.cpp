@@ -8,6 +8,7 @@
 #include "framework/calibration/settings.h"
 #include "framework/kinematics/posture.h"
 #include "framework/page/javascript.h"
+#include "framework/page/page_state.h"
 #include "framework/report/draw_scene.h"
 
 namespace talus {
@@ -82,14 +83,22 @@ class Describer {
                : program_.unknowns[coordinate - program_.readings.size()].slot;
   }
 
-  std::pair<double, double> limits(const Coordinate& c) const {
-    if (c.range) return *c.range;
+  bool limited(std::size_t i) const {
+    return i < program_.readings.size()
+               ? program_.readings[i].range.has_value()
+               : program_.unknowns[i - program_.readings.size()].start.bounds.has_value();
+  }
+
+  std::pair<double, double> limits(std::size_t i) const {
+    const Coordinate& c = list_[i];
+    if (c.range && limited(i)) return *c.range;
     if (const RecordedColumn* column = recordings_ ? recordings_->find(c.column) : nullptr) {
       double low = INFINITY, high = -INFINITY;
       for (const double v : column->values)
         if (!std::isnan(v)) low = std::min(low, v), high = std::max(high, v);
       if (low < high) return {low, high};
     }
+    if (c.range) return *c.range;
     const double reach = c.dimension == angle ? 60 * deg : c.dimension == length ? 50 : 1;
     return {c.rest - reach, c.rest + reach};
   }
@@ -99,15 +108,15 @@ class Describer {
     for (std::size_t i = 0; i < list_.size(); ++i) {
       const Coordinate& c = list_[i];
       const Unit unit = program_.units.of(c.dimension);
-      const auto [low, high] = limits(c);
+      const auto [low, high] = limits(i);
       out.push_back({{"name", c.name},
                      {"column", c.column},
                      {"unit", unit.text},
                      {"factor", unit.factor},
-                     {"rest", c.rest / unit.factor},
-                     {"low", low / unit.factor},
-                     {"high", high / unit.factor},
-                     {"limited", c.range.has_value()},
+                     {"rest", rounded(c.rest / unit.factor, 12)},
+                     {"low", rounded(low / unit.factor, 12)},
+                     {"high", rounded(high / unit.factor, 12)},
+                     {"limited", limited(i)},
                      {"circumstance", c.covariate},
                      {"slot", slot(i)}});
       if (i >= program_.readings.size())

@@ -15,5 +15,6 @@ for (const part of [parts.findings(store), parts.located(store), parts.residuals
 parts.footer(store);
 if (store.poseCount() > 0) store.setPose(0);
 panel.update();
+panel.viewer.fit();
 // For tests and for those who want to look further.
 window.talus = { store, panel, data };

@@ -24,7 +24,6 @@ export function makePanel(element, store) {
     store.values = keep;
     viewer.frame(count ? list.slice(1) : list);
   }
-  roomFor();
   const show = { ghosts: new Set(), measured: true, arrows: data.columns.length > 0, factor: 1, all: false };
   // A factor that makes the usual arrow about a tenth of the linkage.
   show.factor = usualFactor();
@@ -120,7 +119,8 @@ export function makePanel(element, store) {
     check("names", true, on => viewer.visible({ names: on })));
   const looks = h("div", { class: "tools" }, h("span", { class: "together" }, "view ",
     Object.entries(views).map(([name, [a, e]]) => h("button", { type: "button", onclick: () => viewer.from(a, e) }, name)),
-    h("button", { type: "button", title: "0", onclick: () => viewer.fit() }, "fit")),
+    h("button", { type: "button", title: "0", onclick: () => viewer.fit() }, "fit"),
+      store.poseCount() > 1 ? h("button", { type: "button", onclick: roomFor }, "fit all poses") : ""),
     h("label", {}, "up ", h("select", { onchange: e => viewer.up(e.target.value) },
       ["z", "y", "x", "-z", "-y", "-x"].map(a => h("option", {}, a)))));
   tools.append(...ghostBoxes.filter(Boolean));
@@ -148,6 +148,7 @@ export function makePanel(element, store) {
     [0.5, 1, 2, 5, 10, 30].map(v => h("option", { value: v, selected: v === (store.poseCount() > 300 ? 30 : 2) }, `${v}/s`)));
   function stop() { cancelAnimationFrame(playing); playing = 0; play.textContent = "Play"; }
   function start() {
+    roomFor();
     from = store.pose >= 0 && store.pose < store.poseCount() - 1 ? store.pose : 0;
     began = 0;
     play.textContent = "Pause";

@@ -92,9 +92,9 @@ export function parameters(store) {
   const before = report?.baseline, after = report?.after && report.findings?.length ? report.after : null, fit = after ?? before;
   if (!fit?.parameters?.length) return null;
   const list = [...fit.parameters, ...fit.shared].filter(p => !p.held_out), old = new Map((before?.parameters ?? []).map(p => [p.name, p]));
-  const columns = [T("parameter"), T(""), N("nominal"), ...(after ? [N("before")] : []), N(after ? "after" : "calibrated"), N("difference"), N("std"), N("tolerance"), T("seen")];
+  const columns = [T("parameter"), T(""), N("nominal"), ...(after ? [N("before")] : []), N(after ? "after" : "calibrated"), N("difference"), N("std"), N("tolerance"), N("seen")];
   const rows = list.map(p => {
-    const seen = p.at_bound ? "at its bound" : p.identifiable ? "yes" : "not on its own";
+    const seen = p.at_bound ? "at its bound" : p.identifiable ? "yes" : "not alone";
     return [p.name, unitText(p.unit), number(p.nominal, 6), ...(after ? [old.has(p.name) ? withStd(old.get(p.name).value, p.std) : "–"] : []), withStd(p.value, p.std),
       signed(p.difference, 3), number(p.std, 2), p.tolerance === null ? "–" : number(p.tolerance, 3),
       seen === "yes" ? seen : h("span", { class: "bad" }, seen)];
@@ -115,6 +115,7 @@ export function unseen(store, panel) {
     playing = 0;
     store.vary(null);
     panel.viewer.ghosts([]);
+    panel.viewer.visible({ frames: true });
     panel.update();
   }
   // So far that the point that moves most moves by a twelfth of the linkage, or angles by 20 degrees.
@@ -138,6 +139,7 @@ export function unseen(store, panel) {
     const d = data.directions[i];
     if (store.state !== d.state) store.setState(d.state);
     at = i;
+    panel.viewer.visible({ frames: "all" });
     buttons[i].textContent = "Stop";
     buttons[i].setAttribute("aria-pressed", "true");
     const scale = scaleOf(d), ghost = { values: store.outputs(store.current), scene: store.scene, colour: "#888888" };
@@ -157,7 +159,7 @@ export function unseen(store, panel) {
     return h("p", {}, d.changes.length ? button : null, " ", d.sentence);
   });
   return section("unseen", "What these recordings do not see",
-    h("p", { class: "note" }, "Played: the linkage as it changes along such a direction, exaggerated. If the measured feature moved against what it is measured in, the recordings would see it: what moves is what they do not tell."), list);
+    h("p", { class: "note" }, "Played: the linkage as it changes along such a direction, exaggerated. If the measured feature moved against what it is measured in, the recordings would see it: what moves, perhaps only a frame, is what they do not tell."), list);
 }
 
 export function nextPoses(store, panel) {

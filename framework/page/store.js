@@ -2,11 +2,19 @@
 // changes it calls one of the functions; whoever shows it listens.
 import { valuesAt } from "./linkage.js";
 
+const transposed = rows => rows.length ? rows[0].map((_, i) => rows.map(row => row[i])) : [];
+
 export function makeStore(data, functions) {
   data.linkages.forEach((scene, i) => {
     scene.evaluate = functions[i];
     scene.base = data.states.find(s => s.linkage === i).base;
   });
+  // Limits that nobody has stated go as far as the poses do.
+  for (const state of [...data.states, { linkage: data.states[0].linkage, coordinates: transposed(data.next) }])
+    data.linkages[state.linkage].coordinates.forEach((c, i) => {
+      if (!c.limited) for (const v of state.coordinates[i] ?? [])
+        if (Number.isFinite(v)) { c.low = Math.min(c.low, v); c.high = Math.max(c.high, v); }
+    });
   const listeners = { posture: [], state: [], pose: [], lit: [] };
   const tell = what => listeners[what].forEach(f => f());
   const poses = state => state.coordinates.length ? state.coordinates[0].length : 0;

@@ -145,7 +145,7 @@ export function createViewer(element, scene, options = {}) {
       const after = Math.hypot(a[0] - b[0], a[1] - b[1]);
       camera.scale *= before > 0 ? after / before : 1;
       camera.pan(dx / 2, dy / 2);
-    } else if (e.shiftKey || e.buttons & 6) camera.pan(dx, dy);
+    } else if (e.shiftKey || e.buttons & 6) { camera.pan(dx, dy); chosen = true; }
     else camera.orbit(dx * 0.008, dy * 0.008);
     pointers.set(e.pointerId, [e.clientX, e.clientY]);
     redraw();
@@ -159,6 +159,7 @@ export function createViewer(element, scene, options = {}) {
   on("wheel", e => {
     e.preventDefault();
     camera.scale *= Math.exp(-e.deltaY * 0.0012);
+    chosen = true;
     redraw();
   }, { passive: false });
   on("keydown", e => {
@@ -167,7 +168,7 @@ export function createViewer(element, scene, options = {}) {
     else if (step) camera.orbit(0.12 * step[0], -0.12 * step[1]);
     else if (e.key === "+" || e.key === "=") camera.scale *= 1.15;
     else if (e.key === "-") camera.scale /= 1.15;
-    else if (e.key === "0") camera.fit(extent);
+    else if (e.key === "0") viewer.fit();
     else return;
     e.preventDefault();
     redraw();
@@ -192,12 +193,29 @@ export function createViewer(element, scene, options = {}) {
   const themed = () => { shapes = null; if (!gone) paintNow(); };
   for (const query of themes) query.addEventListener("change", themed);
 
+  // Where the posture leaves the view, the view grows, unless somebody has chosen a part of it.
+  let chosen = false;
+  const united = all => ({ low: [0, 1, 2].map(i => Math.min(...all.map(e => e.low[i]))),
+    high: [0, 1, 2].map(i => Math.max(...all.map(e => e.high[i]))), size: extent.size,
+    points: all.flatMap(e => e.points).slice(-20000) });
+  function makeRoom() {
+    if (chosen) return;
+    const now = extentOf(scene, values);
+    const outside = now.points.some(p => {
+      const [x, y] = camera.project(p);
+      return x < 8 || y < 8 || x > camera.width - 8 || y > camera.height - 8;
+    });
+    if (!outside) return;
+    extent = united([extent, now]);
+    camera.fit(extent);
+  }
+
   const viewer = {
     kind: painter.kind,
     onpick: null,
     get values() { return values; },
     update(coordinates, base) { viewer.show(valuesAt(scene, coordinates, base)); },
-    show(out) { values = out; rebuild(); },
+    show(out) { values = out; makeRoom(); rebuild(); },
     // Another linkage in the same view.
     scene(other, out) { scene = other; values = out ?? valuesAt(scene, atRest(scene)); rebuild(); },
     // [{values, colour, scene}]: further linkages in thin lines; scene where it is another's.
@@ -210,14 +228,12 @@ export function createViewer(element, scene, options = {}) {
     from(azimuth, elevation) { camera.azimuth = azimuth; camera.elevation = elevation; camera.fit(extent); redraw(); },
     // Makes room for all of these postures.
     frame(list) {
-      const all = list.map(v => extentOf(scene, v));
-      extent = { low: [0, 1, 2].map(i => Math.min(...all.map(e => e.low[i]))),
-                 high: [0, 1, 2].map(i => Math.max(...all.map(e => e.high[i]))), size: extent.size,
-                 points: all.flatMap(e => e.points) };
+      extent = united(list.map(v => extentOf(scene, v)));
+      chosen = false;
       camera.fit(extent);
       rebuild();
     },
-    fit() { camera.fit(extent); redraw(); },
+    fit() { extent = { ...extentOf(scene, values), size: extent.size }; chosen = false; camera.fit(extent); redraw(); },
     // A small picture of another posture, seen from the same side.
     snapshot(canvas, of, extra = []) {
       const small = new Camera(), colours = palette();
