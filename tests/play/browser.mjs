@@ -47,7 +47,7 @@ const csv = text => {
 const rotation = ([w, x, y, z]) => [[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
   [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)], [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]];
 
-cpSync(join(root, "models"), join(folder, "models"), { recursive: true });
+for (const part of ["models", "docs/lessons"]) cpSync(join(root, part), join(folder, part), { recursive: true });
 
 // Postures of whole models: the command's against the page's; models in XML and Lua, in several files, with a joint in Lua.
 for (const model of ["isl-bonny-2013/model.xml", "arm-6r/model.lua", "ankle-storey-2006/scripted.xml", "upper-body-justin/model.xml"]) {
@@ -79,8 +79,8 @@ for (const model of ["isl-bonny-2013/model.xml", "arm-6r/model.lua", "ankle-stor
 }
 
 // Calibrations: values, uncertainties, residuals to six digits; in units of the uncertainty for what is near zero.
-talus("simulate", "models/lessons/ankle.xml", "--poses", "60", "--seed", "4", "--recordings", "ankle.csv");
-for (const [model, recordings] of [["models/isl-bonny-2013/model.xml", "models/isl-bonny-2013/concealed.csv"], ["models/lessons/ankle.xml", "ankle.csv"]]) {
+talus("simulate", "docs/lessons/ankle.xml", "--poses", "60", "--seed", "4", "--recordings", "ankle.csv");
+for (const [model, recordings] of [["models/isl-bonny-2013/model.xml", "models/isl-bonny-2013/concealed.csv"], ["docs/lessons/ankle.xml", "ankle.csv"]]) {
   talus("play", model, recordings, "--out", "fit.html");
   check(`${model}: one file under 6 MB`, statSync(join(folder, "fit.html")).size < 6e6);
   talus("calibrate", model, recordings, "--json", "fit.json", "--out", "out", "--quiet");

@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-const std::string models = TALUS_SOURCE_DIR "/models/";
+const std::string lessons = TALUS_SOURCE_DIR "/docs/lessons/";
 
 struct Asked {
   PlaySession session;
@@ -28,7 +28,7 @@ struct Asked {
 
 TEST_CASE("a session shows frames where the library has them") {
   Asked ask;
-  const std::string file = models + "lessons/dh.xml";
+  const std::string file = lessons + "dh.xml";
   const Json read = ask.read(file);
   REQUIRE_FALSE(read.contains("error"));
   Registry registry = Registry::built_in();
@@ -60,13 +60,13 @@ TEST_CASE("a session says where a model is wrong, and goes on") {
   CHECK(ask({{"do", "pose"}, {"coordinates", {1}}}).contains("error"));  // no model
   CHECK(ask({{"do", "dance"}}).contains("error"));
   CHECK(Json::parse(ask.session.answer("not json")).contains("error"));
-  CHECK_FALSE(ask.read(models + "lessons/encoder.xml").contains("error"));
+  CHECK_FALSE(ask.read(lessons + "encoder.xml").contains("error"));
   CHECK(ask({{"do", "residuals"}}).contains("error"));  // no recordings
 }
 
 TEST_CASE("a planted fault is in the recordings and not in the model") {
   Asked ask;
-  ask.read(models + "lessons/encoder.xml");
+  ask.read(lessons + "encoder.xml");
   auto left = [&](const std::string& faults) {
     const Json simulated =
         ask({{"do", "simulate"}, {"faults", faults}, {"poses", 40}, {"seed", 3}});
@@ -83,7 +83,7 @@ TEST_CASE("a planted fault is in the recordings and not in the model") {
 
 TEST_CASE("a session calibrates as the library does") {
   Asked ask;
-  const std::string file = models + "lessons/encoder.xml";
+  const std::string file = lessons + "encoder.xml";
   ask.read(file);
   const std::string text = ask({{"do", "simulate"},
                                 {"faults", "<talus><dh name=\"elbow\" a=\"250.8\"/></talus>"},
@@ -115,7 +115,7 @@ TEST_CASE("a session calibrates as the library does") {
 TEST_CASE("play says in one line how to get the page, or writes it") {
   const testing::Folder folder;
   const testing::Run run =
-      testing::command(folder, "play '" + models + "lessons/ankle.xml' --out p.html");
+      testing::command(folder, "play '" + lessons + "ankle.xml' --out p.html");
   if (run.code == 2) {
     CHECK(run.error.find("scripts/build page") != std::string::npos);
     CHECK(folder.files().empty());

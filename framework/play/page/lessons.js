@@ -1,12 +1,12 @@
 // Lessons: Markdown with a few lines of settings before it; links to "do:..." act on the page.
 import { marked } from "marked";
 import { h } from "../../page/dom.js";
-import ankleText from "../../../models/lessons/ankle.md";
-import ankleModel from "../../../models/lessons/ankle.xml";
-import dhText from "../../../models/lessons/dh.md";
-import dhModel from "../../../models/lessons/dh.xml";
-import encoderText from "../../../models/lessons/encoder.md";
-import encoderModel from "../../../models/lessons/encoder.xml";
+import ankleText from "../../../docs/lessons/ankle.md";
+import ankleModel from "../../../docs/lessons/ankle.xml";
+import dhText from "../../../docs/lessons/dh.md";
+import dhModel from "../../../docs/lessons/dh.xml";
+import encoderText from "../../../docs/lessons/encoder.md";
+import encoderModel from "../../../docs/lessons/encoder.xml";
 
 // ---\n title: ...\n poses: 60\n faults: <element .../>\n---\n text
 function lesson(id, file, text, model) {
