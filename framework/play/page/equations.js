@@ -4,8 +4,8 @@ import { h, number, table, unitText, withStd } from "../../page/dom.js";
 import { origin } from "../../page/linkage.js";
 import { axesTable } from "./stage.js";
 
-const product = motions => motions.length ? motions.map(m => m.kind === "matrix" ? `[${m.text}]`
-  : `${m.kind === "R" ? "R" : "T"}${m.axis}(${m.text.replace(/ deg$/, "°")})`).join(" ") : "1";
+const product = motions => motions.length ? motions.flatMap(m => [h("span", { class: "together" }, m.kind === "matrix" ? `[${m.text}]`
+  : `${m.kind === "R" ? "R" : "T"}${m.axis}(${m.text.replace(/ deg$/, "°")})`), " "]) : ["1"];
 
 function matrixOf(scene, values, frame) {  // T_parent_frame from both in the root
   const b = scene.frames[frame].at, p = scene.frames[frame].parent, T = (at, i, j) => values[at + 4 * i + j];
@@ -25,13 +25,13 @@ export function equationsPanel({ onlight }) {
       element.replaceChildren(h("p", { class: "note" }, "From frame to frame, left to right; R turns about an axis, T moves along it. Numbers are of the posture shown."));
       for (const e of scene.equations) {
         if (e.reading !== undefined) {
-          element.append(h("p", { class: "equation" }, h("b", {}, e.reading), ` = ${e.text}`));
+          element.append(h("p", { class: "equation" }, `A reading of ${e.reading} means `, h("code", {}, e.text)));
           continue;
         }
         const frame = scene.frames[e.frame], parent = scene.frames[e.parent], matrix = h("pre", { class: "matrix" });
         const key = "joint:" + frame.name;
         element.append(h("div", { class: "equation", tabindex: 0, onmouseenter: () => onlight(key), onmouseleave: () => onlight(null), onfocus: () => onlight(key), onblur: () => onlight(null) },
-          h("span", {}, h("i", {}, "T"), h("sub", {}, `${parent.label}→${frame.label}`), " = ", h("code", {}, product(e.motions))), matrix));
+          h("span", {}, h("i", {}, "T"), h("sub", {}, `${parent.label}→${frame.label}`), " = ", h("code", {}, ...product(e.motions))), matrix));
         numbers.push({ frame: e.frame, matrix });
       }
       tip = h("p", { class: "note" });
