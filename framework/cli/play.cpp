@@ -28,8 +28,8 @@ std::string page_template() {
        {command / "play.html", command.parent_path() / "share" / "talus" / "play.html"})
     if (std::ifstream in{file, std::ios::binary})
       return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  throw InputError({"talus play", 0, 0}, "the teaching page was not built",
-                   "scripts/setup --page, then scripts/build page");
+  throw InputError(
+      "talus play: the page was not built; run scripts/setup --page, then scripts/build page");
 }
 
 // Paths from the folder that holds them all, as the page sees them.
