@@ -75,7 +75,7 @@ TEST_CASE("a planted fault is in the recordings and not in the model") {
     return ask({{"do", "residuals"}})["rms"].get<double>();
   };
   CHECK(left("") == doctest::Approx(1).epsilon(0.3));
-  CHECK(left("<talus><encoder_eccentricity at=\"encoder3\" cosine=\"0.1\"/></talus>") > 5);
+  CHECK(left("<talus><encoder_eccentricity at=\"encoder3\" cosine=\"0.1\"/></talus>") > 3);
   CHECK(left("<talus><dh name=\"shoulder\" a=\"301\"/></talus>") >
         5);  // of an element that is there
   CHECK(ask({{"do", "simulate"}, {"faults", "<talus><no_such/></talus>"}}).contains("error"));
