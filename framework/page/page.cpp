@@ -98,8 +98,9 @@ bool has_page_template() { return !page_template.empty(); }
 
 std::string write_page(const PageContent& content) {
   if (!has_page_template())
-    throw InputError({"--html", 0, 0}, "this build has no page template",
-                     "run scripts/setup and scripts/build, which fetch and bundle it");
+    throw InputError(
+        {"--html", 0, 0},
+        "this build has no page; scripts/setup, then scripts/build fetch and bundle it");
   Json data{{"talus", TALUS_VERSION},
             {"command", content.command},
             {"command_line", content.command_line},
