@@ -105,6 +105,7 @@ class Enumerator {
     out_.suspects.push_back(std::move(s));
     const int index = static_cast<int>(out_.suspects.size()) - 1;
     for (const EffectForm& form : forms) {
+      if (form.finer) continue;
       const Driven driven = form.driven == Driven::no ? d.effect.driven : form.driven;
       for (const auto& [name, expr] : drivers(driven, place))
         for (const auto& choices : combinations(d.choices)) {

@@ -99,6 +99,12 @@ Declaration& Declaration::form(std::vector<std::string> amounts, Driven driven) 
   return *this;
 }
 
+Declaration& Declaration::finer_form(std::vector<std::string> amounts) {
+  form(std::move(amounts));
+  effect.forms.back().finer = true;
+  return *this;
+}
+
 Declaration& Declaration::shown(Figure figure) {
   effect.figures.push_back(std::move(figure));
   return *this;

@@ -130,6 +130,7 @@ struct Declaration {
   Declaration& driven_by(Driven driven, std::string meaning);  // an attribute `driver`
   // A subset of the amounts, tried by itself.
   Declaration& form(std::vector<std::string> amounts, Driven driven = Driven::no);
+  Declaration& finer_form(std::vector<std::string> amounts);
   Declaration& at_joint();  // is called by the joint where the reading is an angle
   Declaration& usual_size(double length_of_correction, double angle_of_correction);
   Declaration& shown(Figure figure);
