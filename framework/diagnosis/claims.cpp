@@ -18,7 +18,7 @@ constexpr double kCorrelated = 1e-6;  // chance of neighbours in time as much al
 constexpr double kRemainder = 0.04;
 // Above this chi-square per degree of freedom something that is not modelled is left over.
 constexpr double kFar = 2.25;
-constexpr double kTrust = 0.2;  // trusted less, what was found is a hint
+constexpr double kTrust = 0.2;  // trusted less, what was found beside something else is a hint
 
 // How sure a name can be beside that: a cause that explains less than what is left over may be
 // its shadow.
@@ -133,8 +133,9 @@ Claims claims_of(const Search& search, std::size_t poses, std::size_t rows,
     all.back().probability *= trusts[i];
     for (NamedRival& r : all.back().rivals) r.probability *= trusts[i];
   }
+  const double least = std::min(kTrust, *std::max_element(trusts.begin(), trusts.end()));
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const bool finding = claimed && !remainder(all[i], all) && trusts[i] >= kTrust;
+    const bool finding = claimed && !remainder(all[i], all) && trusts[i] >= least;
     (finding ? claims.findings : claims.hints).push_back(all[i]);
   }
   return claims;

@@ -42,6 +42,11 @@ Declaration& Declaration::amount(std::string name, Dimension dimension, double t
   return *this;
 }
 
+Declaration& Declaration::not_negative() {
+  inputs.back().not_negative = true;
+  return *this;
+}
+
 Declaration& Declaration::amount_of_reading(std::string name, Dimension dimension,
                                             double typical_angle, double typical_length,
                                             std::string meaning) {
