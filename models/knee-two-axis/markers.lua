@@ -23,19 +23,21 @@ add(chain {
   revolute { name = "shank", theta = "q1", x = "0 ± 100", y = "-100 ± 200", roll = "0 ± 90", yaw = "0 ± 90" },
 })
 
-local names = {}
+local rows = {}
 local function markers(bone, places, room)
+  local names = {}
   for i, p in ipairs(places) do
     local name = bone .. "_M0" .. i
     local function at(axis) return p[axis] .. " ± " .. room end
     add(point {
       name = name, ["in"] = "cluster", at = bone, x = at(1), y = at(2), z = at(3), sigma = "1 mm",
     })
-    names[#names + 1] = name
+    names[i] = name
   end
+  rows[#rows + 1] = calibrate { residual = "position", of = table.concat(names, ", ") }
 end
 markers("thigh", thigh, 30)
 markers("shank", shank, 200)
-add(calibrate { residual = "position", of = table.concat(names, ", ") })
+for _, r in ipairs(rows) do add(r) end
 
 return talus(knee)
