@@ -2,7 +2,7 @@
 include(CMakePackageConfigHelpers)
 install(TARGETS talus EXPORT talusTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS talus_command RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(DIRECTORY framework DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/talus FILES_MATCHING PATTERN "*.h" PATTERN "lua_*.h" EXCLUDE)
+install(DIRECTORY framework DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/talus FILES_MATCHING PATTERN "*.h" PATTERN "lua_*.h" EXCLUDE PATTERN "node_modules" EXCLUDE)
 install(DIRECTORY models DESTINATION ${CMAKE_INSTALL_DATADIR}/talus)
 set(talus_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/talus)
 install(EXPORT talusTargets NAMESPACE talus:: DESTINATION ${talus_cmake_dir})

@@ -5,6 +5,7 @@
 #include "framework/calibration/axes_changes.h"
 #include "framework/calibration/linkage_poses.h"
 #include "framework/cli/axes_words.h"
+#include "framework/page/contents.h"
 #include "framework/report/axes.h"
 #include "framework/report/progress.h"
 
@@ -14,7 +15,7 @@ namespace {
 struct Options {
   Common common;
   AxesWords words;
-  std::string model, linkage, arcs, actual;
+  std::string model, linkage, arcs, actual, html;
   std::vector<std::string> recordings;
   std::size_t zero = 0;
   int restarts = 2;
@@ -22,8 +23,10 @@ struct Options {
 
 void run(const Options& o) {
   check_writable(o.common.json);
+  check_html(o.html, {o.model});
   Registry registry = o.common.registry();
-  const Program program = compile(open_model(o.model, registry, o.common), registry);
+  const Model model = open_model(o.model, registry, o.common);
+  const Program program = compile(model, registry);
   AxisFinder finder(program, o.words.of, o.words.reverse);
   AxesOptions options;
   options.locate.fit.threads = o.common.thread_count();
@@ -54,6 +57,13 @@ void run(const Options& o) {
   }
   const AxesContext context{o.model, o.linkage, o.actual, o.recordings, options.labels};
   if (!o.common.json.empty()) put(o.common.json, axes_json(finder, result, context));
+  if (!o.html.empty()) {
+    PageContent page = page_content("axes", model, o.recordings);
+    page.report_json = axes_json(finder, result, context);
+    page.report_text = axes_text(finder, result, context);
+    page_of_axes(page, finder, result, recordings, o.recordings);
+    put_page(o.html, page);
+  }
   if (!o.common.quiet && o.common.json != "-") fmt::print("{}", axes_text(finder, result, context));
   bool any = false, converged = true;
   for (const Located& l : result.whole.located) {
@@ -95,6 +105,7 @@ void add_axes(CLI::App& app) {
   command->add_option("--restarts", o->restarts, "further starts, scattered over the tolerances")
       ->check(CLI::Range(0, 10000))
       ->capture_default_str();
+  add_html(*command, o->html);
   add_common(*command, o->common, true, false);
   command->add_flag("--quiet", o->common.quiet, "print results only to files");
   command->add_option("--json", o->common.json, "write the results as JSON (- for standard output)")

@@ -9,6 +9,7 @@
 #include "framework/calibration/circumstances.h"
 #include "framework/calibration/fit.h"
 #include "framework/cli/commands.h"
+#include "framework/page/contents.h"
 #include "framework/report/report.h"
 
 namespace talus {
@@ -16,7 +17,7 @@ namespace {
 
 struct Options {
   Common common;
-  std::string model, recordings, points, sweep;
+  std::string model, recordings, points, sweep, html;
   double check = 0.3;
   std::vector<std::string> groups;
   int folds = 0;
@@ -96,6 +97,7 @@ void run(Options& o) {
   if (std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
     throw InputError({folder.string(), 0, 0}, "is no folder", "--out DIR");
   check_writable(o.common.json);
+  check_html(o.html, {o.model, o.recordings, o.points});
   Registry registry = o.common.registry();
   Model model = open_model(o.model, registry, o.common);
   Measured measured;
@@ -136,6 +138,13 @@ void run(Options& o) {
   move_plugin_paths(calibrated, o.model, file);
   if (!o.common.json.empty()) put(o.common.json, json_report(program, fit, context));
   write_file(file, lua ? write_lua(calibrated) : write_xml(calibrated));
+  if (!o.html.empty()) {
+    PageContent page = page_content("calibrate", model, {o.recordings, measured.points_file});
+    page.report_json = json_report(program, fit, context);
+    page.report_text = text;
+    page_of_fit(page, program, recordings, split, fit);
+    put_page(o.html, page);
+  }
   if (!o.common.quiet && o.common.json != "-") fmt::print("{}Calibrated model: {}\n", text, file);
   for (const std::string& warning :
        o.common.quiet || o.common.json == "-" ? fit.warnings : std::vector<std::string>{})
@@ -171,6 +180,7 @@ void add_calibrate(CLI::App& app) {
       ->check(CLI::IsMember({"auto", "gram", "qr"}))
       ->capture_default_str();
   add_points(*command, o->points);
+  add_html(*command, o->html);
   add_common(*command, o->common, true, true);
   command->callback([o] { run(*o); });
 }

@@ -9,6 +9,7 @@
 #include "framework/calibration/settings.h"
 #include "framework/cli/commands.h"
 #include "framework/kinematics/posture.h"
+#include "framework/page/contents.h"
 #include "framework/report/report.h"
 
 namespace talus {
@@ -82,12 +83,9 @@ std::string axes_text(const Program& program) {
   const Unit mm = program.units.length, degrees = program.units.angle;
   std::string out;
   for (std::size_t b = 0; b < axes.size(); ++b) {
-    // The nearest joint before it that moves; several coordinates of one joint are taken in turn.
-    const JointAxis* before = nullptr;
-    for (int f = axes[b].frame; f >= 0 && !before; f = program.frames[f].parent)
-      for (std::size_t a = b; a-- > 0 && !before;)
-        if (axes[a].frame == f) before = &axes[a];
-    if (!before) continue;
+    const int a = axis_before(program, axes, b);
+    if (a < 0) continue;
+    const JointAxis* before = &axes[a];
     const Apart between = apart(*before, axes[b]);
     const double acute = std::min(between.angle, 180 * deg - between.angle);
     if (!std::isfinite(acute) || !std::isfinite(between.distance)) continue;
@@ -102,11 +100,19 @@ std::string axes_text(const Program& program) {
 }
 
 void run(const std::string& model_file, const std::string& recordings_file,
-         const std::string& points_file, const Common& common) {
+         const std::string& points_file, const std::string& html, const Common& common) {
+  check_html(html, {model_file, recordings_file, points_file});
   Registry registry = common.registry();
-  const Program program = compile(open_model(model_file, registry, common), registry);
-  fmt::print("{}\n{}{}", program.name, chain_text(program), axes_text(program));
-  if (recordings_file.empty()) return;
+  const Model model = open_model(model_file, registry, common);
+  const Program program = compile(model, registry);
+  PageContent page = page_content("check", model, {recordings_file, points_file});
+  page.report_text = chain_text(program) + axes_text(program);
+  fmt::print("{}\n{}", program.name, page.report_text);
+  if (recordings_file.empty()) {
+    page_of_model(page, program);
+    put_page(html, page);
+    return;
+  }
   const Measured measured = open_recordings(program, recordings_file, points_file);
   const Recordings recordings = with_derived(program, measured.recordings);
   fmt::print("{}", probing_text(program, measured));
@@ -118,6 +124,9 @@ void run(const std::string& model_file, const std::string& recordings_file,
              seen.seen, problem.size());
   for (const std::string& sentence : seen.unseen) fmt::print("  - {}\n", sentence);
   if (problem.data().missing()) fmt::print("{} residuals lack a value\n", problem.data().missing());
+  if (html.empty()) return;
+  page_of_check(page, program, recordings, seen, problem.start());
+  put_page(html, page);
 }
 
 }  // namespace
@@ -132,7 +141,9 @@ void add_check(CLI::App& app) {
   add_common(*command, *common, true, false);
   auto points = std::make_shared<std::string>();
   add_points(*command, *points);
-  command->callback([=] { run(files->first, files->second, *points, *common); });
+  auto html = std::make_shared<std::string>();
+  add_html(*command, *html);
+  command->callback([=] { run(files->first, files->second, *points, *html, *common); });
 }
 
 }  // namespace talus

@@ -10,6 +10,7 @@
 #include "framework/dsl/dsl.h"
 #include "framework/kinematics/program.h"
 #include "framework/metrology/measure.h"
+#include "framework/page/page.h"
 
 namespace talus {
 
@@ -32,6 +33,15 @@ void add_common(CLI::App& command, Common& common, bool model, bool results);
 Measured open_recordings(const Program& program, const std::string& file,
                          const std::string& points_file);
 void add_points(CLI::App& command, std::string& points_file);  // --points
+
+// --html FILE: the report as a page. InputError early where it could not be written; the content
+// with what every page says of its command.
+void add_html(CLI::App& command, std::string& file);
+void check_html(const std::string& file, const std::vector<std::string>& inputs);
+PageContent page_content(const std::string& command, const Model& model,
+                         const std::vector<std::string>& files);
+void put_page(const std::string& file, const PageContent& content);
+std::string& command_line();  // as it was given
 
 // Which rows are held out: --check, --group.
 void add_split(CLI::App& command, double& check, std::vector<std::string>& groups);

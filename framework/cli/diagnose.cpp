@@ -9,6 +9,7 @@
 #include "framework/calibration/circumstances.h"
 #include "framework/cli/commands.h"
 #include "framework/dsl/dsl.h"
+#include "framework/page/contents.h"
 #include "framework/report/diagnosis_report.h"
 
 namespace talus {
@@ -16,7 +17,7 @@ namespace {
 
 struct Options {
   Common common;
-  std::string model, recordings, points, next;
+  std::string model, recordings, points, next, html;
   double check = 0.3;
   std::vector<std::string> groups, only;
   DiagnosisOptions diagnosis;
@@ -74,6 +75,7 @@ void run(Options& o) {
   if (std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
     throw InputError({folder.string(), 0, 0}, "is no folder", "--out DIR");
   check_writable(o.common.json);
+  check_html(o.html, {o.model, o.recordings, o.points});
   check_writable(o.next);
   check_apart(o.next, {o.model, o.recordings});
   Registry registry = o.common.registry();
@@ -129,6 +131,15 @@ void run(Options& o) {
   }
   const ReportContext context{"diagnose", o.model, o.recordings, &measured};
   if (!o.common.json.empty()) put(o.common.json, diagnosis_json(d, advice, context, files));
+  if (!o.html.empty()) {
+    PageContent page = page_content("diagnose", model, {o.recordings, measured.points_file});
+    page.report_json = diagnosis_json(d, advice, context, files);
+    page.report_text = diagnosis_text(d, advice, context, files, {true, true});
+    const Recordings before = with_derived(*d.program, d.recordings, fit_before(d).x),
+                     after = with_derived(*d.program_after, d.recordings, d.after.x);
+    page_of_diagnosis(page, d, advice, before, after);
+    put_page(o.html, page);
+  }
   if (!o.common.quiet && o.common.json != "-")
     fmt::print("{}", diagnosis_text(d, advice, context, files, o.text));
   exit_code() = d.baseline.converged ? 0 : 1;
@@ -157,6 +168,7 @@ void add_diagnose(CLI::App& app) {
   command->add_flag("--sensitivity", o->text.sensitivity,
                     "the smallest magnitude that would have been seen, of every suspect");
   add_points(*command, o->points);
+  add_html(*command, o->html);
   add_common(*command, o->common, true, true);
   command->callback([o] { run(*o); });
 }

@@ -10,7 +10,19 @@ int& talus::exit_code() {
   return code;
 }
 
+// As it can be pasted into a shell.
+static std::string quoted(const std::string& word) {
+  if (!word.empty() && word.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                              "0123456789-_=+:,./@%") == std::string::npos)
+    return word;
+  std::string out = "'";
+  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
 int main(int argc, char** argv) {
+  talus::command_line() = "talus";
+  for (int i = 1; i < argc; ++i) talus::command_line() += " " + quoted(argv[i]);
   CLI::App app{"Talus models, calibrates and explains linkages.", "talus"};
   app.set_version_flag("--version", std::string("talus ") + TALUS_VERSION);
   app.require_subcommand(1);

@@ -7,13 +7,14 @@
 #include "framework/calibration/closing.h"
 #include "framework/calibration/simulate.h"
 #include "framework/cli/commands.h"
+#include "framework/page/contents.h"
 
 namespace talus {
 namespace {
 
 struct Options {
   Common common;
-  std::string model, poses = "65", grid, file = "-", points;
+  std::string model, poses = "65", grid, file = "-", points, html;
   double noise = 1;
 };
 
@@ -70,13 +71,15 @@ Settings closed_settings(Program& program, const std::optional<Settings>& drawn,
 
 void run(const Options& o) {
   check_writable(o.file);
+  check_html(o.html, {o.poses, o.model});
   check_writable(o.points);
   check_apart(o.file, {o.poses, o.model});
   check_apart(o.points, {o.poses, o.model});
   if (!o.points.empty() && o.points == o.file)
     throw InputError({o.points, 0, 0}, "--points and --recordings name one file", "two files");
   Registry registry = o.common.registry();
-  Program program = compile(open_model(o.model, registry, o.common), registry);
+  const Model model = open_model(o.model, registry, o.common);
+  Program program = compile(model, registry);
   std::optional<Settings> settings = drawn_settings(program, o.poses, o.grid, o.common.seed);
   if (has_loops(program)) {
     settings = closed_settings(program, settings, o);
@@ -90,6 +93,11 @@ void run(const Options& o) {
   const std::string origin =
       fmt::format("# simulated from {} by talus {}, seed {}, noise {:g} times the stated sigmas\n",
                   o.model, TALUS_VERSION, o.common.seed, o.noise);
+  if (!o.html.empty()) {
+    PageContent page = page_content("simulate", model, {});
+    page_of_simulation(page, program, *settings, recordings);
+    put_page(o.html, page);
+  }
   std::string points;
   if (!o.points.empty()) {  // the probed features are in the points, not in the recordings
     if (!is_probed(program))
@@ -134,6 +142,7 @@ void add_simulate(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--points", o->points, "file to write the points of probed features to")
       ->type_name("FILE");
+  add_html(*command, o->html);
   add_common(*command, o->common, true, false);
   command->add_option("--seed", o->common.seed, "seed of all random choices")
       ->capture_default_str();

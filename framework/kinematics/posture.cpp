@@ -126,4 +126,11 @@ Apart apart(const JointAxis& a, const JointAxis& b) {
   return result;
 }
 
+int axis_before(const Program& program, const std::vector<JointAxis>& axes, std::size_t axis) {
+  for (int f = axes[axis].frame; f >= 0; f = program.frames[f].parent)
+    for (std::size_t a = axis; a-- > 0;)
+      if (axes[a].frame == f) return static_cast<int>(a);
+  return -1;
+}
+
 }  // namespace talus

@@ -57,6 +57,10 @@ class Posture {
     Vector3<Expr> point, direction;
   };
   TracedLine traced(std::size_t axis, int in) const;
+  // T_root_frame, and the turn and slide of the joint's motion by its coordinate, seen from the
+  // frame before the joint.
+  const Rigid<Expr>& placed(int frame) const { return placed_[frame]; }
+  const std::array<Vector3<Expr>, 2>& twist(std::size_t axis) const { return twists_[axis]; }
 
  private:
   const Program* program_;
@@ -73,5 +77,9 @@ struct Apart {
   double distance = 0, angle = 0;
 };
 Apart apart(const JointAxis& a, const JointAxis& b);
+
+// The axis before an axis: of the nearest joint towards the root that moves; several coordinates of
+// one joint are taken in turn. -1: none.
+int axis_before(const Program& program, const std::vector<JointAxis>& axes, std::size_t axis);
 
 }  // namespace talus

@@ -5,21 +5,20 @@
 #include <set>
 
 namespace talus {
-namespace {
 
 using Eigen::Isometry3d, Eigen::Vector3d;
 
 // Straight where the legs are neither in line nor at right angles: then they lead to a frame that
 // lies somewhere, not along the body.
-void straighten(std::vector<Vector3d>& points) {
-  std::vector<Vector3d> kept{points[0]};
+void Skeleton::straighten(Points& points) {
+  Points kept{points[0]};
   double size = 0;
-  for (const Vector3d& p : points) size = std::max(size, (p - points[0]).norm());
-  for (const Vector3d& p : points)
-    if ((p - kept.back()).norm() > 1e-6 * size) kept.push_back(p);
+  for (const Point& p : points) size = std::max(size, (p.at - points[0].at).norm());
+  for (const Point& p : points)
+    if ((p.at - kept.back().at).norm() > 1e-6 * size) kept.push_back(p);
   for (std::size_t i = 1; i < kept.size(); ++i)
     for (std::size_t j = i + 1; j < kept.size(); ++j) {
-      const Vector3d a = kept[i] - kept[i - 1], b = kept[j] - kept[j - 1];
+      const Vector3d a = kept[i].at - kept[i - 1].at, b = kept[j].at - kept[j - 1].at;
       const double cosine = a.normalized().dot(b.normalized());
       if (std::abs(cosine) > 0.02 && cosine < 0.999) {
         points = {points.front(), points.back()};
@@ -28,8 +27,6 @@ void straighten(std::vector<Vector3d>& points) {
     }
   points = std::move(kept);
 }
-
-}  // namespace
 
 Skeleton::Skeleton(const Program& program)
     : program_(&program),
@@ -110,31 +107,34 @@ void Skeleton::walk(int frame, const Posture& posture, const std::vector<double>
   const int parent = program_->frames[frame].parent;
   Isometry3d T = parent < 0 ? Isometry3d::Identity() : posture.frame(parent);
   Points *points = &before_[frame], &after = after_[frame];
-  points->assign(1, T.translation());
+  std::size_t made = 0;  // motions so far
+  auto here = [&] { return Point{T.translation(), {frame, made}}; };
+  points->assign(1, here());
   after.clear();
   int last = 3;  // the axis of the translation before this step, if there was one
   for (const Step& step : joints_[frame].steps) {
     if (step.moves && points != &after) {
       points = &after;
-      points->assign(1, T.translation());
+      points->assign(1, here());
       last = 3;
     }
     apply(step, values, T);
+    ++made;
     const bool translation = step.kind == Motion<Expr>::Kind::translation;
     if (translation && last < step.axis)
-      points->back() = T.translation();
+      points->back() = here();
     else if (step.kind != Motion<Expr>::Kind::rotation)
-      points->push_back(T.translation());
+      points->push_back(here());
     last = translation ? step.axis : 3;
   }
-  if (after.empty()) after = {T.translation()};  // nothing moves: the frame's origin
+  if (after.empty()) after = {here()};  // nothing moves: the frame's origin
   centres_[frame] = after[0];
 }
 
 // A hinge through a point goes there, turns and goes back again: to a frame beside the body.
 bool Skeleton::returns(int frame) const {
-  const double there = (before_[frame].back() - before_[frame].front()).norm(),
-               back = (after_[frame].back() - after_[frame].front()).norm();
+  const double there = (before_[frame].back().at - before_[frame].front().at).norm(),
+               back = (after_[frame].back().at - after_[frame].front().at).norm();
   return there > 0 && std::abs(there - back) < 1e-9 * there;
 }
 
@@ -142,12 +142,14 @@ void Skeleton::set(const Posture& posture) {
   const std::vector<double>& values = values_(posture.slots());
   for (std::size_t f = 0; f < joints_.size(); ++f) walk(static_cast<int>(f), posture, values);
   for (Bone& bone : bones_) {
-    bone.points = after_[bone.from];
+    Points points = after_[bone.from];
     if (bone.to != bone.from)
-      bone.points.insert(bone.points.end(), before_[bone.to].begin(), before_[bone.to].end());
-    if (bone.to != bone.from && returns(bone.from))
-      bone.points = {bone.points.front(), bone.points.back()};
-    straighten(bone.points);
+      points.insert(points.end(), before_[bone.to].begin(), before_[bone.to].end());
+    if (bone.to != bone.from && returns(bone.from)) points = {points.front(), points.back()};
+    straighten(points);
+    bone.points.clear();
+    bone.origins.clear();
+    for (const Point& p : points) bone.points.push_back(p.at), bone.origins.push_back(p.origin);
   }
   for (std::size_t i = 0; i < measured_.size(); ++i) {
     features_[i] = posture.frame(measured_[i].in);

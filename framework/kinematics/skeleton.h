@@ -16,10 +16,18 @@
 
 namespace talus {
 
+// Where a point of the skeleton comes from: the origin of the frame after that many of the
+// elementary motions that lead to `frame` from its parent.
+struct Origin {
+  int frame = 0;
+  std::size_t motions = 0;
+};
+
 // Points in the root frame. It belongs to the rigid body of frame `from`.
 struct Bone {
   int from = 0, to = 0;  // frames; equal where a body ends in its own frame
   std::vector<Eigen::Vector3d> points;
+  std::vector<Origin> origins;  // of the points
 };
 
 class Skeleton {
@@ -31,7 +39,8 @@ class Skeleton {
   int body(int frame) const { return joints_[frame].body; }     // the first frame of its rigid body
   bool leaf(int frame) const { return joints_[frame].leaf; }
   // Of the joint that leads to the frame; where nothing moves, the frame's origin.
-  const Eigen::Vector3d& centre(int frame) const { return centres_[frame]; }
+  const Eigen::Vector3d& centre(int frame) const { return centres_[frame].at; }
+  const Origin& centre_origin(int frame) const { return centres_[frame].origin; }
   const std::vector<Bone>& bones() const { return bones_; }
   const std::vector<Eigen::Isometry3d>& features() const { return features_; }  // T_root_feature
 
@@ -51,7 +60,12 @@ class Skeleton {
     int in;
     std::vector<Step> steps;
   };
-  using Points = std::vector<Eigen::Vector3d>;
+  struct Point {
+    Eigen::Vector3d at;
+    Origin origin;
+  };
+  using Points = std::vector<Point>;
+  static void straighten(Points& points);
 
   std::vector<Step> steps_of(const Rigid<Expr>& motion, std::vector<std::int32_t>& nodes) const;
   static void apply(const Step& step, const std::vector<double>& values, Eigen::Isometry3d& T);
@@ -64,7 +78,7 @@ class Skeleton {
   std::vector<Joint> joints_;  // by frame
   std::vector<Feature> measured_;
   std::vector<Points> before_, after_;  // by frame: up to its joint's centre, and from there on
-  std::vector<Eigen::Vector3d> centres_;
+  Points centres_;
   std::vector<Bone> bones_;
   std::vector<Eigen::Isometry3d> features_;
 };

@@ -1,0 +1,20 @@
+// The page: data and functions are in it, put there by the command that wrote it.
+import "uplot/dist/uPlot.min.css";
+import "./page.css";
+import { makePanel } from "./panel.js";
+import * as parts from "./sections.js";
+import { makeStore } from "./store.js";
+
+const data = JSON.parse(document.getElementById("data").textContent);
+const store = makeStore(data, window.talusLinkages);
+parts.verdict(data);
+const panel = makePanel(document.getElementById("panel"), store), main = document.getElementById("main");
+for (const part of [parts.findings(store), parts.located(store), parts.residuals(store), parts.axes(store), parts.parameters(store),
+                    parts.unseen(store, panel), parts.suspects(store), parts.nextPoses(store, panel), parts.source(store)])
+  if (part) main.append(part);
+parts.footer(store);
+if (store.poseCount() > 0) store.setPose(0);
+panel.update();
+panel.viewer.fit();
+// For tests and for those who want to look further.
+window.talus = { store, panel, data };
