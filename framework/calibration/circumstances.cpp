@@ -179,7 +179,9 @@ Settings with_circumstances(const Program& program, Settings settings, const Rec
         !(table && table->find("pose")))
       set(i, numbers(1, 1));
 
-  for (const auto& [name, dimension] : wanted(program)) {
+  for (const auto& entry : wanted(program)) {
+    const auto& name = entry.first;  // older compilers do not let lambdas capture bindings
+    const auto& dimension = entry.second;
     const auto payload = std::find_if(program.payloads.begin(), program.payloads.end(),
                                       [&](const Payload& p) { return p.column == name; });
     if (table && table->find(name))

@@ -1,6 +1,6 @@
 // Work over numbered chunks on several threads. Who does a chunk is left to chance, what a chunk is
 // is not: results are kept per chunk and joined in order, so they are the same for any number of
-// threads.
+// threads. Where there are no threads (in a browser) it is done by the caller.
 #pragma once
 
 #include <atomic>
@@ -12,11 +12,16 @@ namespace talus {
 
 template <class F>  // f(chunk, worker)
 void parallel_chunks(int chunks, int threads, F f) {
+#ifdef __cpp_lib_jthread
   threads = std::min(threads, chunks);
+#else
+  threads = 1;
+#endif
   if (threads <= 1) {
     for (int c = 0; c < chunks; ++c) f(c, 0);
     return;
   }
+#ifdef __cpp_lib_jthread
   std::atomic<int> next{0};
   std::vector<std::exception_ptr> errors(threads);
   auto work = [&](int worker) {
@@ -33,6 +38,7 @@ void parallel_chunks(int chunks, int threads, F f) {
   }
   for (auto& error : errors)
     if (error) std::rethrow_exception(error);
+#endif
 }
 
 }  // namespace talus

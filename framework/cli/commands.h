@@ -78,6 +78,7 @@ void add_convert(CLI::App& app);
 void add_axes(CLI::App& app);
 void add_study(CLI::App& app);
 void add_draw(CLI::App& app);
+void add_play(CLI::App& app);
 
 // What the chosen command ended with: 0 done, 1 not converged or nothing usable.
 int& exit_code();

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <set>
 #include <thread>
 
+#include "framework/calibration/split_options.h"
 #include "framework/cli/commands.h"
 #include "framework/report/report.h"
 
@@ -193,24 +193,9 @@ void add_split(CLI::App& command, double& check, std::vector<std::string>& group
 
 SplitOptions split_options(const Program& program, const Recordings& recordings, double check,
                            const std::vector<std::string>& groups, std::uint64_t seed) {
-  SplitOptions split;
-  split.check_share = check;
-  split.seed = seed;
-  for (const std::string& columns : groups)
-    split.group_columns.push_back(CLI::detail::split(columns, ','));
-  if (!program.settings.groups.empty()) split.group_columns.push_back(program.settings.groups);
-  for (const Unknown& u : program.unknowns)
-    if (!u.per.empty()) split.group_columns.push_back(u.per);
-  if (const RecordedColumn* session = recordings.find("session")) {
-    std::set<double> sessions;
-    for (double v : session->values)
-      if (!std::isnan(v)) sessions.insert(v);
-    if (sessions.size() >= 4 && split.group_columns.empty())
-      split.group_columns.push_back({"session"});
-  }
-  for (const Reading& r : program.readings)
-    if (!r.covariate && recordings.find(r.column)) split.reading_columns.push_back(r.column);
-  return split;
+  std::vector<std::vector<std::string>> columns;
+  for (const std::string& list : groups) columns.push_back(CLI::detail::split(list, ','));
+  return split_options(program, recordings, check, columns, seed);
 }
 
 }  // namespace talus

@@ -38,6 +38,7 @@ int main(int argc, char** argv) {
   talus::add_schema(app);
   talus::add_convert(app);
   talus::add_draw(app);
+  talus::add_play(app);
   try {
     if (argc > 1 && argv[1][0] != '-') {  // a command that does not exist: the nearest one
       std::vector<std::string> names;

@@ -25,8 +25,9 @@ std::string read_text(const std::string& file) {
   if (!in) throw InputError(place, "cannot be read");
   std::ostringstream text;
   text << in.rdbuf();
-  check_utf8(text.view(), file);
-  return std::move(text).str();
+  std::string whole = text.str();
+  check_utf8(whole, file);
+  return whole;
 }
 
 // Length of the character that starts here, 0 where there is none.

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <cstring>
 #include <functional>
 #include <set>
 
@@ -68,11 +68,13 @@ Expr argument(const Expr& y, std::int32_t node) {
 }  // namespace
 
 std::size_t Tape::Hash::operator()(const Node& n) const {
-  std::size_t h = std::bit_cast<std::uint64_t>(n.value) * 0x9E3779B97F4A7C15ull;
+  std::uint64_t bits = 0;
+  std::memcpy(&bits, &n.value, sizeof bits);
+  std::uint64_t h = bits * 0x9E3779B97F4A7C15ull;
   for (std::int64_t part :
        {std::int64_t(n.op), std::int64_t(n.a), std::int64_t(n.b), std::int64_t(n.c)})
-    h = (h ^ static_cast<std::size_t>(part + 0x7F4A7C15)) * 0xBF58476D1CE4E5B9ull;
-  return h ^ (h >> 31);
+    h = (h ^ static_cast<std::uint64_t>(part + 0x7F4A7C15)) * 0xBF58476D1CE4E5B9ull;
+  return static_cast<std::size_t>(h ^ (h >> 31));
 }
 
 std::int32_t Tape::add(const Node& node) {

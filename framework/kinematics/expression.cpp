@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include <cctype>
-#include <charconv>
 #include <vector>
+
+#include "framework/model/digits.h"
 
 namespace talus {
 namespace {
@@ -91,9 +92,9 @@ class Parser {
   double literal() {
     skip();
     double value = 0;
-    auto [end, error] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), value);
+    const auto [length, error] = read_digits(text_.substr(at_), value);
     if (error != std::errc()) fail(fmt::format("'{}'", text_.substr(at_)), "a number");
-    at_ = static_cast<std::size_t>(end - text_.data());
+    at_ += length;
     return value;
   }
 

@@ -1,7 +1,8 @@
 #include "framework/model/quantity.h"
 
-#include <charconv>
 #include <limits>
+
+#include "framework/model/digits.h"
 
 namespace talus {
 namespace {
@@ -176,11 +177,11 @@ class Parser {
            "-" + std::string(digits.substr(unicode_minus.size())));
     std::string_view rest = digits.substr(digits[0] == '+' ? 1 : 0);
     double value = 0;
-    const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
+    const auto [length, error] = read_digits(rest, value);
     if (error == std::errc::result_out_of_range)
       fail(at_, "'" + std::string(digits) + "' is too large or too small for a number",
            "a smaller exponent");
-    if (error != std::errc() || end != rest.data() + rest.size())
+    if (error != std::errc() || length != rest.size())
       fail(at_, "'" + std::string(digits) + "' is not a number", "digits with one decimal point");
     return value;
   }

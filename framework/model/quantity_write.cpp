@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
 
+#include "framework/model/digits.h"
 #include "framework/model/quantity.h"
 
 namespace talus {
@@ -12,7 +12,7 @@ namespace {
 
 double read(std::string_view text) {
   double value = 0;
-  std::from_chars(text.data(), text.data() + text.size(), value);
+  read_digits(text, value);
   return value;
 }
 
@@ -63,10 +63,7 @@ std::string shortest(double value, const Unit& unit) {
   const double written = (value - unit.offset) / unit.factor;
   auto reads_back = [&](double x) { return unit.factor * x + unit.offset == value; };
   for (int digits : {15, 16}) {
-    char text[40];
-    const auto end =
-        std::to_chars(text, text + sizeof text, written, std::chars_format::general, digits).ptr;
-    const double rounded = read({text, end});
+    const double rounded = read(write_digits(written, digits));
     if (reads_back(rounded)) return shortest(rounded);
   }
   const double infinity = std::numeric_limits<double>::infinity();

@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
+
+#include "framework/model/digits.h"
 
 namespace talus {
 namespace {
@@ -76,8 +77,8 @@ void split_cells(const Lines& lines, char separator, std::vector<Cell>& cells) {
 std::optional<double> read_number(std::string_view text) {
   if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
   double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return {};
+  const auto [length, error] = read_digits(text, value);
+  if (text.empty() || error != std::errc() || length != text.size()) return {};
   return std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
