@@ -1,15 +1,12 @@
 // The teaching page in a browser: the core in it gives the numbers that the command gives, errors stand at
 // their line, a model without an end does not stop the page, every link of every lesson does something, a
 // planted fault is found, and nothing is written to the console nor asked of a network.
-//
-//     node browser.mjs FOLDER [--screenshots FOLDER]
 import { execFileSync } from "node:child_process";
-import { cpSync, mkdirSync, readFileSync, statSync } from "node:fs";
+import { cpSync, readFileSync, statSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 
 const root = join(dirname(fileURLToPath(import.meta.url)), "../.."), folder = process.argv[2];
-const pictures = process.argv[3] === "--screenshots" ? process.argv[4] : null;
 const { chromium } = await import(join(root, "framework/page/node_modules/playwright-core/index.mjs"));
 const talus = (...args) => execFileSync(process.env.TALUS, args, { cwd: folder, encoding: "utf8", maxBuffer: 1 << 28, stdio: ["ignore", "pipe", "pipe"] });
 let checks = 0, failures = 0;
@@ -185,17 +182,6 @@ for (const id of ["dh", "ankle", "encoder"]) {
   await close(page);
 }
 
-if (pictures) {
-  mkdirSync(pictures, { recursive: true });
-  for (const scheme of ["light", "dark"])
-    for (const [id, words] of [["dh", ["axes"]], ["ankle", ["record", "chart E.rx q2", "calibrate"]], ["encoder", ["record", "calibrate", "chart tip.z encoder3"]]]) {
-      const page = await open("lessons.html", "#" + id, { colorScheme: scheme });
-      for (const w of words) await act(page, w);
-      await page.waitForTimeout(500);
-      await page.screenshot({ path: join(pictures, `play-${id}-${scheme}.png`) });
-      await close(page);
-    }
-}
 await browser.close();
 console.log(`${checks} checks, ${failures} failed`);
 process.exitCode = failures ? 1 : 0;
