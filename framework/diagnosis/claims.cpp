@@ -16,6 +16,17 @@ constexpr double kCorrelated = 1e-6;  // chance of neighbours in time as much al
 // A formula that is right within a fifth leaves up to a twenty-fifth of its chi-square. What is no
 // more than that, beside a finding of the same joint, may be its leftover and is not named.
 constexpr double kRemainder = 0.04;
+// Above this chi-square per degree of freedom something that is not modelled is left over.
+constexpr double kFar = 2.25;
+constexpr double kTrust = 0.2;  // trusted less, what was found beside something else is a hint
+
+// How sure a name can be beside that: a cause that explains less than what is left over may be
+// its shadow.
+double trust(const Search& search, const Member& m) {
+  if (search.left <= kFar) return 1;
+  const double over = search.best.cost2 * (1 - 1 / search.left);
+  return m.gain / (m.gain + over);
+}
 
 Finding finding(const Accepted& e, const Member& m, double poses, double rows,
                 const UnitSystem& units) {
@@ -85,10 +96,10 @@ bool one_kind(const Accepted& a, const Accepted& b) {
 }
 
 std::vector<Fault> without_correlated(const Ground& ground, const NoiseVerdict& noise,
-                                      Search& search) {
+                                      Search& search, const SearchOptions& options) {
   if (noise.p_order > kCorrelated || noise.correlation <= 0) return {};
   const double factor = (1 - noise.correlation) / (1 + noise.correlation);
-  const int dropped = discount(ground, search, factor);
+  const int dropped = discount(ground, search, factor, options);
   if (dropped == 0) return {};
   return {
       {"correlated-noise", "measurement",
@@ -115,10 +126,18 @@ Claims claims_of(const Search& search, std::size_t poses, std::size_t rows,
                      "and steps to follow it.",
                      wandering)});
   std::vector<Finding> all;
-  for (std::size_t i = 0; i < effects.size(); ++i)
+  std::vector<double> trusts;
+  for (std::size_t i = 0; i < effects.size(); ++i) {
     all.push_back(finding(effects[i], search.members[i], count, static_cast<double>(rows), units));
-  for (const Finding& f : all)
-    (claimed && !remainder(f, all) ? claims.findings : claims.hints).push_back(f);
+    trusts.push_back(trust(search, search.members[i]));
+    all.back().probability *= trusts[i];
+    for (NamedRival& r : all.back().rivals) r.probability *= trusts[i];
+  }
+  const double least = std::min(kTrust, *std::max_element(trusts.begin(), trusts.end()));
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const bool finding = claimed && !remainder(all[i], all) && trusts[i] >= least;
+    (finding ? claims.findings : claims.hints).push_back(all[i]);
+  }
   return claims;
 }
 

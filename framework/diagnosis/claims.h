@@ -35,14 +35,14 @@ struct Claims {
   std::vector<Fault> faults;
 };
 
-// Two effects of one joint: of its sensor, axis or link; and of one kind, in what they move and what
-// they depend on, so that together they may be the shape of something third.
+// Two effects of one joint: of its sensor, axis or link; and of one kind, in what they move and
+// what they depend on, so that together they may be the shape of something third.
 bool one_place(const Accepted& a, const Accepted& b);
 bool one_kind(const Accepted& a, const Accepted& b);
 
 // Takes out of the search what noise correlated from pose to pose makes by itself; a fault then.
 std::vector<Fault> without_correlated(const Ground& ground, const NoiseVerdict& noise,
-                                      Search& search);
+                                      Search& search, const SearchOptions& options);
 
 Claims claims_of(const Search& search, std::size_t poses, std::size_t rows,
                  const UnitSystem& units);

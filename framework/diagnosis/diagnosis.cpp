@@ -170,7 +170,7 @@ class Diagnoser {
     if (!best.effects.empty())
       note(without_correlated(
           ground_, judge_noise(*best.program, known_, split_.fit, best.x, fault_options()),
-          d_.search));
+          d_.search, options_.search));
     Claims claims = claims_of(d_.search, split_.fit.size(), clean_.rows_fit, d_.program->units);
     d_.findings = std::move(claims.findings), d_.hints = std::move(claims.hints);
     note(claims.faults);

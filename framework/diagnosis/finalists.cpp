@@ -6,6 +6,8 @@
 #include <numeric>
 #include <set>
 
+#include "framework/diagnosis/screen_inside.h"
+
 namespace talus {
 namespace {
 
@@ -133,10 +135,31 @@ class Chooser {
     Accepted& effect = trial.effects.back();
     const Eigen::Map<const Eigen::VectorXd> amounts(
         effect.amounts.data(), static_cast<Eigen::Index>(effect.amounts.size()));
-    effect.occam = entry.prior + stage_.screen.occam(entry.score->pick, amounts);
+    effect.occam = entry.prior + std::min(stage_.screen.occam(entry.score->pick, amounts),
+                                          occam_of_refit(effect));
     double evidence = effect.occam + (base_.cost2 - trial.cost2) / 2;
     if (!std::isfinite(evidence)) evidence = -1e300;
     return {effect, evidence, trial.cost2, 0};
+  }
+
+  // The same by the refit's own uncertainties, the amounts one by one: where large amounts and the
+  // geometry together did what the screening, which is linear, did not see, these are known well
+  // and must be paid for.
+  double occam_of_refit(const Accepted& effect) const {
+    const double noise = stage_.screen.inside().noise;
+    const std::vector<double> scales = ScreenOptions().scales;
+    std::vector<double> logs;
+    for (const double c : scales) {
+      double log = -std::log(static_cast<double>(scales.size()));
+      for (std::size_t a = 0; a < effect.amounts.size(); ++a) {
+        if (!(effect.std[a] > 0)) continue;
+        const double ratio = std::pow(c * effect.way.typical[a] / effect.std[a], 2) / noise;
+        const double size = std::pow(effect.amounts[a] / effect.std[a], 2) / noise;
+        log -= (size / (1 + ratio) + std::log1p(ratio)) / 2;
+      }
+      logs.push_back(log);
+    }
+    return log_sum(logs);
   }
 
   // Half the mean distance of the values that were screened; 0 where only one was.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "framework/calibration/fit.h"
 #include "framework/diagnosis/outlier_search.h"
@@ -15,6 +16,9 @@ namespace {
 // More poses than this are no blunders but a group of their own.
 constexpr double most = 0.15;
 constexpr int rounds = 5;
+// So many poses that are far outside, all of them and no others with one value in some column, are
+// no blunders: chance does not choose them so.
+constexpr std::size_t kOfAKind = 3;
 
 // "1.2 mm and 0.3 deg": the root of the sum of squares of the rows of each dimension.
 std::string size_of(const std::vector<double>& off, const Program& program) {
@@ -40,6 +44,26 @@ std::string summary(const Outliers& result) {
   for (const Outlier& o : result.found) poses.push_back(std::to_string(o.pose));
   return fmt::format("{} of {} poses {} far outside the others and alone: {}.", n, result.judged,
                      n == 1 ? "lies" : "lie", fmt::join(poses, ", "));
+}
+
+// Takes poses that have something recorded in common back in. Says how many.
+std::size_t spare_kinds(const Recordings& recordings, const std::vector<std::size_t>& rows,
+                        const std::vector<std::string>& measured, std::vector<bool>& out) {
+  std::size_t spared = 0;
+  for (const RecordedColumn& c : recordings.columns) {
+    if (std::find(measured.begin(), measured.end(), c.name) != measured.end()) continue;
+    std::map<double, std::vector<std::size_t>> kinds;
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      if (!std::isnan(c.values[rows[k]])) kinds[c.values[rows[k]]].push_back(k);
+    for (const auto& [value, poses] : kinds) {
+      if (poses.size() < kOfAKind ||
+          !std::all_of(poses.begin(), poses.end(), [&](std::size_t k) { return out[k]; }))
+        continue;
+      for (const std::size_t k : poses) out[k] = false;
+      spared += poses.size();
+    }
+  }
+  return spared;
 }
 
 }  // namespace
@@ -100,6 +124,7 @@ Outliers find_outliers(const Program& program, const Recordings& recordings, con
     const PoseBlocks blocks(all, all.linear(result.x), result.x, fitted);
     OutlierSearch search(blocks, fitted, neighbours, all.noise_known(), options.seed);
     judged = search.settle(search.least_trimmed());
+    judged.clustered += spare_kinds(recordings, rows, measured, judged.out);
     if (judged.out == before) break;
     before = judged.out;
     std::vector<std::size_t> kept;

@@ -8,7 +8,9 @@
 //     exceeds what the worst of so many good poses would show, in units of the bulk's own scale;
 //     where physics was left out all poses misfit and that scale is large;
 //   * its neighbours (in the order of recording, in each reading, in every other column) fit as the
-//     others do: a step, a local bump, a session that was disturbed has neighbours of its own kind.
+//     others do: a step, a local bump, a session that was disturbed has neighbours of its own kind;
+//   * others have what was recorded of it: where all poses approached from one side, and no others,
+//     are far outside, that is play.
 // Several blunders hide each other in a plain fit. The search therefore starts from least trimmed
 // squares: of many fits to a few poses drawn at random, concentrated step by step on the poses that
 // fit best, the one with the least spread. It works on the problem made linear; then the model is

@@ -45,7 +45,18 @@ class Searcher {
     grow(0);
     openings();
     leftovers();
+    if (!exact_) refine();
     result_.left = left_by(result_.best);
+    result_.exact = exact_;
+    alternatives();
+    return std::move(result_);
+  }
+
+  // What else could stand in the place of each member, anew.
+  Search weighed_again(Search found) {
+    result_ = std::move(found);
+    result_.left = left_by(result_.best);
+    rounds_ = 2;
     alternatives();
     return std::move(result_);
   }
@@ -65,7 +76,6 @@ class Searcher {
       const double least = gate.open ? kLeastEvidence : kCertain;
       if (!convincing(tried, least) && stage->studentised) tried = everything();
       if (!exact_) {
-        if (stage->studentised) without_leftovers(tried);
         names_first(tried, result_.best, least);
         while (convincing(tried, least) && !carries_over(*stage, tried.trials[0], result_.best))
           tried.drop(0);
@@ -81,20 +91,6 @@ class Searcher {
       ++rounds_;
       if (!seen_.insert(signature()).second) break;  // it turns in a circle
       progress("searching", std::min(1.0, (round + 1.0) / options_.most_effects));
-    }
-  }
-
-  // At the joint of a named effect, what explains much less than it does makes up for its formula,
-  // which need not be quite right where the noise does not explain the rest.
-  void without_leftovers(Tried& tried) const {
-    const std::vector<Accepted>& effects = result_.best.effects;
-    for (std::size_t i = tried.alternatives.size(); i-- > 0;) {
-      const Suspect& s = tried.alternatives[i].effect.suspect;
-      const bool beside =
-          !s.joint.empty() && std::any_of(effects.begin(), effects.end(), [&](const Accepted& e) {
-            return !unknown(e) && e.suspect.plugin != s.plugin && e.suspect.joint == s.joint;
-          });
-      if (beside && result_.best.cost2 - tried.alternatives[i].cost2 < little()) tried.drop(i);
     }
   }
 
@@ -189,13 +185,22 @@ class Searcher {
       seen_ = {signature()};
       grow(1);
       const double left = std::min(left_by(kept.best), left_by(result_.best));
-      auto odds = [&](const Trial& t) {
-        double sum = -t.cost2 / 2;
-        for (const Accepted& e : t.effects) sum += e.occam;
-        return sum / left;
-      };
-      if (odds(result_.best) < odds(kept.best) + kSwap) result_ = std::move(kept);
+      Trial other = kept.best;
+      if (standing(result_.best, left) > standing(kept.best, left) + kSwap) {
+        openings_.push_back(std::move(other));
+      } else {
+        openings_.push_back(result_.best);
+        result_ = std::move(kept);
+      }
     }
+  }
+
+  // ln of the odds of a hypothesis where the noise is as large as what is left; each effect is
+  // charged for as if it had to be taken in.
+  static double standing(const Trial& t, double left) {
+    double sum = -t.cost2 / 2;
+    for (const Accepted& e : t.effects) sum += e.occam;
+    return sum / left - kLeastEvidence * static_cast<double>(t.effects.size());
   }
 
   // Which effects, where and how.
@@ -256,9 +261,10 @@ class Searcher {
         if (same_place(a.effect, result_.best.effects[i].suspect)) own = std::max(own, a.evidence);
       if (!exact_) names_first(tried, rest, kLeastEvidence);
       if (tried.best().evidence > own + kSwap && predicts(stage, tried.trials[0], result_.best)) {
-        result_.best = std::move(tried.trials[0]);
-        std::rotate(result_.best.effects.begin() + static_cast<long>(i),
-                    result_.best.effects.end() - 1, result_.best.effects.end());
+        // In its place among the members, and so among the parameters.
+        std::vector<Accepted> effects = tried.trials[0].effects;
+        std::rotate(effects.begin() + static_cast<long>(i), effects.end() - 1, effects.end());
+        result_.best = fit_trial(ground_, effects, tried.trials[0]);
       }
     }
   }
@@ -277,7 +283,8 @@ class Searcher {
       for (const Score& s : scores) {
         const int of = stage.suspects.ways[s.pick.form].suspect;
         const Suspect& suspect = stage.suspects.suspects[of];
-        if (suspect.plugin != plugin || s.freedom == 0 || taken(result_.best, suspect)) continue;
+        if (suspect.plugin != plugin || s.freedom == 0 || beside_curve(suspect)) continue;
+        if (taken(result_.best, suspect)) continue;
         const Score*& score = best[of];
         if (!score || s.log_bayes > score->log_bayes) score = &s;
       }
@@ -298,6 +305,35 @@ class Searcher {
       result_.best = std::move(all);
       for (Alternative& a : each) result_.members.push_back({0, gate, {std::move(a)}});
       backward();
+    }
+  }
+
+  // What a curve of the same joint takes up already.
+  bool beside_curve(const Suspect& s) const {
+    return std::any_of(result_.best.effects.begin(), result_.best.effects.end(),
+                       [&](const Accepted& e) {
+                         return unknown(e) && !s.joint.empty() && e.suspect.joint == s.joint;
+                       });
+  }
+
+  // Curves of more pieces in the place of those found, where they predict better.
+  void refine() {
+    for (std::size_t i = 0; i < result_.best.effects.size(); ++i) {
+      std::vector<Accepted> effects = result_.best.effects;
+      Accepted& e = effects[i];
+      if (!unknown(e)) continue;
+      for (const EffectForm& form : e.suspect.plugin->declaration.effect.forms) {
+        if (!form.finer || form.amounts.size() <= e.amounts.size()) continue;
+        e.way.amounts = form.amounts;
+        e.way.typical.resize(form.amounts.size(), e.way.typical[0]);
+        e.way.settings["pieces"] = static_cast<double>(form.amounts.size()) - 3;
+        e.amounts.assign(form.amounts.size(), 0), e.std = e.amounts;
+        Trial finer = fit_trial(ground_, effects, result_.best);
+        if (finer.cost2 < result_.best.cost2 &&
+            CarryOver::better(carry_over_->predicted(finer), carry_over_->predicted(result_.best)))
+          result_.best = std::move(finer);
+        break;
+      }
     }
   }
 
@@ -336,6 +372,7 @@ class Searcher {
         m.alternatives = finalists_at(stage, rest).alternatives;
       }
       m.gain = rest.cost2 - result_.best.cost2;
+      if (i == 0) beside_others(m.alternatives);
       // A curve that does little more than a name takes up what its formula leaves.
       if (!exact_ && !unknown(effects[i]) && coarse(result_.best))
         std::erase_if(m.alternatives, [&](const Alternative& a) {
@@ -344,6 +381,23 @@ class Searcher {
       probabilities(m.alternatives);
       progress("rivals", (i + 1.0) / static_cast<double>(effects.size()));
     }
+  }
+
+  // Other openings: rivals of the first effect that do nearly as well together with further ones.
+  void beside_others(std::vector<Alternative>& all) const {
+    const auto own = std::find_if(all.begin(), all.end(), [&](const Alternative& a) {
+      return same_place(a.effect, result_.best.effects[0].suspect);
+    });
+    if (own == all.end()) return;
+    const double evidence = own->evidence, best = standing(result_.best, result_.left);
+    for (const Trial& t : openings_) {
+      if (t.effects.empty() || taken(result_.best, t.effects[0].suspect)) continue;
+      const double less = std::min(0.0, standing(t, result_.left) - best);
+      all.push_back({t.effects[0], evidence + less * result_.left, t.cost2, 0});
+    }
+    std::stable_sort(all.begin(), all.end(), [](const Alternative& a, const Alternative& b) {
+      return a.evidence > b.evidence;
+    });
   }
 
   void probabilities(std::vector<Alternative>& all) const {
@@ -368,14 +422,15 @@ class Searcher {
   Search result_;
   const bool exact_;
   std::optional<CarryOver> carry_over_;
-  Tried first_;  // of the first round
+  Tried first_;                  // of the first round
+  std::vector<Trial> openings_;  // where others led to
   std::set<std::string> seen_;
   int rounds_ = 0;  // in which an effect was taken in
 };
 
 }  // namespace
 
-int discount(const Ground& ground, Search& search, double factor) {
+int discount(const Ground& ground, Search& search, double factor, const SearchOptions& options) {
   const CarryOver carry_over(ground);
   int dropped = 0;
   while (!search.best.effects.empty()) {
@@ -397,6 +452,8 @@ int discount(const Ground& ground, Search& search, double factor) {
     search.members.erase(search.members.begin() + static_cast<long>(weakest));
     ++dropped;
   }
+  if (dropped > 0 && !search.best.effects.empty())
+    search = Searcher(ground, options, search.exact).weighed_again(std::move(search));
   return dropped;
 }
 

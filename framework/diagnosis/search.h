@@ -43,13 +43,14 @@ struct Search {
   Gate first;                    // of the first round
   std::shared_ptr<Stage> stage;  // of `null`: what could be seen at all
   double left = 1;               // variance that `best` leaves, by the stated noise; at least 1
+  bool exact = true;             // by which rules it was found
 };
 
 Search search(const Ground& ground, const Trial& null, const SearchOptions& options = {});
 
 // Drops the members that chance makes too easily where noise is correlated from pose to pose, so
 // that every chi-square counts for less by this factor; and those that do not predict runs of
-// neighbours any better. Says how many.
-int discount(const Ground& ground, Search& search, double factor);
+// neighbours any better; the rivals of the others are weighed anew. Says how many.
+int discount(const Ground& ground, Search& search, double factor, const SearchOptions& options);
 
 }  // namespace talus

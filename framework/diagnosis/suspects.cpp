@@ -12,7 +12,6 @@
 namespace talus {
 namespace {
 
-constexpr int kMassPower = 3;  // of a Dimension
 // Columns whose parts cancel so far are zero but for rounding (square of their size).
 constexpr double kRounding = 1e-20;
 
@@ -77,6 +76,13 @@ class Enumerator {
       suspect(std::move(one));
     }
     if (all.places.empty()) return;
+    // Of several features each may move by itself, too.
+    if (d.effect.acts == Acts::tip && all.places.size() > 1)
+      for (const int i : all.places) {
+        const EffectPlace& place = program_.places[i];
+        const std::string& feature = program_.features[place.feature].name;
+        suspect({&p, d.tag, feature, feature, {i}, place.dimension});
+      }
     const Acts acts = d.effect.acts;
     all.location = acts == Acts::lengths   ? "links"
                    : acts == Acts::fixture ? "fixture"
@@ -105,6 +111,7 @@ class Enumerator {
     out_.suspects.push_back(std::move(s));
     const int index = static_cast<int>(out_.suspects.size()) - 1;
     for (const EffectForm& form : forms) {
+      if (form.finer) continue;
       const Driven driven = form.driven == Driven::no ? d.effect.driven : form.driven;
       for (const auto& [name, expr] : drivers(driven, place))
         for (const auto& choices : combinations(d.choices)) {
@@ -351,8 +358,7 @@ Element element_of(const Suspect& suspect, const Way& way, const std::vector<Amo
     if (a == way.amounts.end()) continue;
     const AmountValue& amount = amounts[static_cast<std::size_t>(a - way.amounts.begin())];
     Quantity q{.value = amount.value, .free = true, .tolerance = amount.tolerance};
-    // What gives way under a load does so in its direction: no amount per load is negative.
-    if (dimension.powers[kMassPower] < 0) {
+    if (i.not_negative) {
       q.value = std::max(0.0, q.value);
       q.bounds = {0, std::numeric_limits<double>::infinity()};
     }

@@ -1,4 +1,6 @@
 #include <fmt/format.h>
+#include <algorithm>
+#include <cctype>
 
 #include "framework/kinematics/compiler.h"
 
@@ -11,10 +13,19 @@ std::vector<Attribute> split_list(const Attribute& attribute) {
     std::size_t end = attribute.text.find(',', start);
     if (end == std::string::npos) end = attribute.text.size();
     std::size_t a = start, b = end;
-    while (a < b && attribute.text[a] == ' ') ++a;
-    while (b > a && attribute.text[b - 1] == ' ') --b;
+    auto blank = [&](std::size_t i) {
+      return std::isspace(static_cast<unsigned char>(attribute.text[i]));
+    };
+    while (a < b && blank(a)) ++a;
+    while (b > a && blank(b - 1)) --b;
     Place place = attribute.place;
-    if (place.column > 0) place.column += static_cast<int>(a);
+    if (place.column > 0) {
+      const std::string before = attribute.text.substr(0, a);
+      const std::size_t line = before.rfind('\n');
+      place.line += static_cast<int>(std::count(before.begin(), before.end(), '\n'));
+      place.column = line == std::string::npos ? place.column + static_cast<int>(a)
+                                               : static_cast<int>(a - line);
+    }
     words.push_back({attribute.name, attribute.text.substr(a, b - a), place});
     start = end + 1;
   }

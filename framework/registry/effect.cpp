@@ -42,6 +42,11 @@ Declaration& Declaration::amount(std::string name, Dimension dimension, double t
   return *this;
 }
 
+Declaration& Declaration::not_negative() {
+  inputs.back().not_negative = true;
+  return *this;
+}
+
 Declaration& Declaration::amount_of_reading(std::string name, Dimension dimension,
                                             double typical_angle, double typical_length,
                                             std::string meaning) {
@@ -96,6 +101,12 @@ Declaration& Declaration::driven_by(Driven driven, std::string meaning) {
 
 Declaration& Declaration::form(std::vector<std::string> amounts, Driven driven) {
   effect.forms.push_back({std::move(amounts), driven});
+  return *this;
+}
+
+Declaration& Declaration::finer_form(std::vector<std::string> amounts) {
+  form(std::move(amounts));
+  effect.forms.back().finer = true;
   return *this;
 }
 

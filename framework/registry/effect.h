@@ -93,6 +93,7 @@ enum class Driven { no, by_other, by_own, by_any };  // by which coordinate, see
 struct EffectForm {
   std::vector<std::string> amounts;
   Driven driven = Driven::no;  // no: as the effect says
+  bool finer = false;          // only tried in the place of a coarser one that was found
 };
 
 // How results show amounts: as they are, or two or three of them together.

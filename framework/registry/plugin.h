@@ -68,6 +68,7 @@ struct Input {
   double typical = 0;         // amounts: usual size, the prior's standard deviation
   double typical_length = 0;  // the same where the reading that it is relative to is a length
   bool relative = false;      // its dimension is to be multiplied by that of the reading
+  bool not_negative = false;  // amounts: what gives way under a load does so in its direction
   std::vector<double> tries;  // settings: values that a diagnosis tries
 };
 
@@ -115,6 +116,7 @@ struct Declaration {
   // Of effects (effect.h). An amount is zero where nothing is wrong; `typical` is its usual size.
   Declaration& amount(std::string name, Dimension dimension, double typical, std::string meaning);
   // In units of the reading it corrects, times `dimension`: usual size of an angle, of a length.
+  Declaration& not_negative();  // of the amount before
   Declaration& amount_of_reading(std::string name, Dimension dimension, double typical_angle,
                                  double typical_length, std::string meaning);
   Declaration& setting(std::string name, Dimension dimension, double otherwise,
@@ -130,6 +132,7 @@ struct Declaration {
   Declaration& driven_by(Driven driven, std::string meaning);  // an attribute `driver`
   // A subset of the amounts, tried by itself.
   Declaration& form(std::vector<std::string> amounts, Driven driven = Driven::no);
+  Declaration& finer_form(std::vector<std::string> amounts);
   Declaration& at_joint();  // is called by the joint where the reading is an angle
   Declaration& usual_size(double length_of_correction, double angle_of_correction);
   Declaration& shown(Figure figure);

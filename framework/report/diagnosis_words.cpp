@@ -55,6 +55,14 @@ std::string sentence_of(const Finding& f) {
     text = fmt::format(
         "At {} something acts that is none of the known effects; a smooth curve describes it",
         f.location);
+    const ShownValue *from = nullptr, *to = nullptr;
+    for (const ShownValue& v : f.parameters) {
+      if (v.name == "from") from = &v;
+      if (v.name == "to") to = &v;
+    }
+    if (from && to)
+      text += fmt::format(", learned from {:.4g} to {:.4g}{}, and says nothing beyond", from->value,
+                          to->value, to->unit.empty() || to->unit == "1" ? "" : " " + to->unit);
   } else {
     text = fmt::format("At {}: {} ({}), {}", f.location, spoken(f.effect), summary_of(f),
                        values_in_words(f));

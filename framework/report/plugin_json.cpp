@@ -49,6 +49,7 @@ Json json_of(const Input& i, const UnitSystem& units) {
   Json j{{"name", i.name}, {"role", role_name(i.role)}, {"meaning", i.meaning}};
   if (i.coordinate) j["coordinate"] = true;
   if (i.required) j["required"] = true;
+  if (i.not_negative) j["not_negative"] = true;
   j.update(sizes(i, angle, i.typical, units));
   if (i.relative) j["length"] = sizes(i, length, i.typical_length, units);
   return j;

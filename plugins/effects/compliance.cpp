@@ -12,6 +12,7 @@ struct JointCompliance {
                   "torsion spring about the joint's axis: compliance times its static moment")
         .on(angle)
         .amount("compliance", angle / torque, 1 * deg / 1e6, "angle per moment")
+        .not_negative()
         .usual_size(0, 0.03 * deg)
         .shown(renamed("compliance", "compliance", "deg/(N*m)"))
         .needs(Covariate::load)
@@ -30,6 +31,7 @@ struct BearingTiltCompliance {
     return effect("bearing_tilt_compliance", Acts::axis,
                   "bearings tilt: compliance times the static moment across the axis")
         .amount("compliance", angle / torque, 1 * deg / 1e6, "angle per moment")
+        .not_negative()
         .usual_size(0, 0.03 * deg)
         .shown(renamed("compliance", "compliance", "deg/(N*m)"))
         .needs(Covariate::load);
@@ -47,6 +49,7 @@ struct ClearanceShift {
     return effect("clearance_shift", Acts::axis,
                   "loose bearing: shifts across the axis by clearance, the way its load points")
         .amount("clearance", length, 0.03, "radial clearance")
+        .not_negative()
         .needs(Covariate::load);
   }
   template <class T>

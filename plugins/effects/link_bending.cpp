@@ -54,8 +54,10 @@ struct LinkBending {
   static Declaration declaration() {
     return effect("link_bending", Acts::link, "link bends as a cantilever of flexibility 1/(EI)")
         .amount("flexibility", number / (torque * length), 0.1 / 1e9, "1/(EI)")
+        .not_negative()
         .amount("beside", number / (torque * length), 0.1 / 1e9,
                 "1/(EI) for the moment of its own weight where that lies beside its line")
+        .not_negative()
         .amount("oval", number / (torque * length), 0.03 / 1e9,
                 "how much softer it is along one axis of its frame than along the other")
         .form({"flexibility"})
@@ -80,6 +82,7 @@ struct Creep {
     return effect("creep", Acts::link,
                   "bending that grows with the time in the session: flexibility log(1 + t/tau)")
         .amount("flexibility", number / (torque * length), 0.01 / 1e9, "1/(EI) per unit of the log")
+        .not_negative()
         .setting("tau", duration, 600, {600}, "time after which it begins to slow down")
         .usual_size(0.03, 0.01 * deg)
         .shown(renamed("flexibility", "flexibility", "1/(N*m^2)"))
@@ -99,6 +102,7 @@ struct LinkTorsion {
     return effect("link_torsion", Acts::link,
                   "link twists about the line from joint to joint: flexibility 1/(GJ)")
         .amount("flexibility", number / (torque * length), 0.1 / 1e9, "1/(GJ)")
+        .not_negative()
         .usual_size(0, 0.03 * deg)
         .shown(renamed("flexibility", "flexibility", "1/(N*m^2)"))
         .needs(Covariate::tip_load);

@@ -5,11 +5,10 @@
 namespace talus {
 namespace {
 
-constexpr int kMost = 27;
-
+// Forms of 6 pieces, 24, and 48 where a reading errs many times per turn.
 Declaration curve(Declaration d, Dimension unit, bool of_reading, double small_angle,
-                  double small_length) {
-  for (int i = 1; i <= kMost; ++i) {
+                  double small_length, int most = 24) {
+  for (int i = 1; i <= most + 3; ++i) {
     const std::string name = "c" + std::to_string(i),
                       meaning = "height of the curve's piece " + std::to_string(i);
     if (of_reading)
@@ -17,10 +16,13 @@ Declaration curve(Declaration d, Dimension unit, bool of_reading, double small_a
     else
       d.amount(name, unit, unit == length ? small_length : small_angle, meaning);
   }
-  for (int pieces : {6, 24}) {
+  for (int pieces = 6; pieces <= most; pieces = pieces < 24 ? 24 : 2 * pieces) {
     std::vector<std::string> amounts;
     for (int i = 1; i <= pieces + 3; ++i) amounts.push_back("c" + std::to_string(i));
-    d.form(amounts);
+    if (pieces <= 24)
+      d.form(amounts);
+    else
+      d.finer_form(amounts);
   }
   return d.unknown();
 }
@@ -28,12 +30,13 @@ Declaration curve(Declaration d, Dimension unit, bool of_reading, double small_a
 // inputs: heights, then from, to. As many pieces as heights that are not the plain number zero.
 template <class T>
 T height(const T& at, const std::vector<T>& inputs) {
-  const T &from = inputs[kMost], &to = inputs[kMost + 1], &pieces = inputs[kMost + 2];
+  const auto most = static_cast<int>(inputs.size()) - 3;
+  const T &from = inputs[most], &to = inputs[most + 1], &pieces = inputs[most + 2];
   auto positive = [](const T& x) { return select(less(T(0), x), x, T(0)); };
   const T u = pieces * (at - from) / (to - from),
           inside = select(less(u, T(0)), T(0), select(less(pieces, u), pieces, u));
   T sum(0);
-  for (int i = 0; i < kMost; ++i) {
+  for (int i = 0; i < most; ++i) {
     using std::abs;
     const T d = abs(inside - T(i - 1)), two = positive(T(2) - d), one = positive(T(1) - d);
     sum = sum + inputs[i] * (two * two * two - T(4) * one * one * one) / T(6);
@@ -45,7 +48,7 @@ struct UnknownReadingCurve {
   static Declaration declaration() {
     return curve(effect("unknown_reading", Acts::reading,
                         "error of a reading as a smooth curve of the reading itself"),
-                 number, true, 0.05 * deg, 0.01)
+                 number, true, 0.05 * deg, 0.01, 48)
         .setting_of_reading("from", 0, "reading at which the curve begins")
         .setting_of_reading("to", 1, "reading at which it ends")
         .setting("pieces", number, 6, {}, "pieces between them");

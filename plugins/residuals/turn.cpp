@@ -7,8 +7,7 @@ namespace {
 // It keeps its meaning where the model's axis is tilted, or even reversed.
 struct Turn {
   static Declaration declaration() {
-    return residual("turn", {Kind::frame}, "error of the turn about z, one angle")
-        .row("rz", angle);
+    return residual("turn", {Kind::frame}, "error of the turn about z, one angle").row("rz", angle);
   }
   template <class T>
   static std::vector<T> rows(const Rigid<T>& model, const Observed<T>& measured) {

@@ -15,14 +15,13 @@ def compared(trial, truths, found, bad):
                "rivals": [[same.get(r["effect"], r["effect"]), r["location"], r["probability"]] for r in f["rivals"]],
                "sigmas": f["evidence"].get("sigmas_per_pose")} for f in found["findings"]]
     elements = claimed(trial.folder / "box", found)
-    if len(elements) != len(claims):
-        raise ValueError(f"{len(claims)} findings, but {len(elements)} effects in the extended model")
-    for i, c in enumerate(claims):
-        c["element"] = wide(elements[i])
+    for c in claims:
+        element = taken(trial, elements, c, same)
+        c["element"] = wide(element) if element else ""
         c["is"] = next((j for j, t in enumerate(truths) if (t.effect, t.location) == (c["effect"], c["location"])), None)
         c["place"] = next((j for j, t in enumerate(truths) if same_place(trial, t.location, c["location"])), None)
-        if c["is"] is not None:
-            c["errors"] = errors(truths[c["is"]], elements[i])
+        if c["is"] is not None and element:
+            c["errors"] = errors(truths[c["is"]], element)
     facts = {"verdict": found["verdict"], "claims": claims, "hints": [[h["effect"], h["location"]] for h in found["hints"]],
              "outliers": found["outliers"], "faults": [[f["kind"], f["where"]] for f in found["faults"]],
              "noise": {k: found["noise"][k] for k in ("scale", "p_value", "p_white")},
@@ -62,7 +61,7 @@ def fitted(trial, elements):
 
 
 def claimed(folder, found):
-    """The effects of the extended model, in the order of the findings; their amounts free."""
+    """The effects of the extended model, findings and hints; their amounts free. None where the diagnosis left the model as it was."""
     if not found["extended_model"]:
         return []
     tree = xml.parse(folder / found["extended_model"]).getroot()
@@ -73,6 +72,18 @@ def claimed(folder, found):
             e.tail = None
             result.append(e)
     return [xml.tostring(e, encoding="unicode") for e in result]
+
+
+def taken(trial, elements, claim, same):
+    """The element of a claim, taken out of the list; None if there is none."""
+    for element in elements:
+        e = xml.fromstring(element)
+        tag = "unknown" if e.tag.startswith("unknown") else same.get(e.tag, e.tag)
+        at = e.get("at", claim["location"])
+        if tag == claim["effect"] and (at == claim["location"] or same_place(trial, at, claim["location"])):
+            elements.remove(element)
+            return element
+    return None
 
 
 def wide(element):

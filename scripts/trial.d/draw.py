@@ -93,7 +93,7 @@ def drawn(draw, sensors, joints, table):
     norm = math.sqrt(sum(w * w for w in weights))
     for name, weight in zip(form["amounts"], weights):
         i = inputs[name]
-        truth.amounts[name] = (i["typical"] * weight / norm, i["unit"])
+        truth.amounts[name] = (i["typical"] * (abs(weight) if i.get("not_negative") else weight) / norm, i["unit"])
         truth.usual[name] = i["typical"]
     return truth
 

@@ -2,6 +2,7 @@
 
 STRONG = 4      # sigmas per pose from which on an effect must be found and named
 CONFIDENT = 0.8
+UNREACHABLE = 2  # chi-square per degree of freedom that the truth's own form leaves
 SET = 3         # rivals that may be left open
 CLAIMS = ("explained", "ambiguous", "unknown-physics")
 QUIET = ("nothing", "more noise", "heavy tails", "wandering noise", "blunders")
@@ -21,6 +22,12 @@ def claims_something(r):
 
 def confident(r, c):
     return r["verdict"] == "explained" and c["effect"] != "unknown" and c["p"] >= CONFIDENT
+
+
+def reachable(r):
+    """Does the truth's own form, fitted to sound rows, explain them? Not where a play is closed by a load that is nearly zero: which side it
+    lies on then hangs on deviations of the geometry that the nominal model does not have."""
+    return not r.get("truth") or r["truth"]["chi2"] < UNREACHABLE * r["truth"]["dof"]
 
 
 def wrong_names(r):
@@ -136,7 +143,7 @@ def wrongs(r):
     if wrong_names(r):
         found.append("wrong name")
     for t, place, name in truths(r):
-        if t["strength"] >= STRONG:
+        if t["strength"] >= STRONG and reachable(r):
             if not place:
                 found.append("not found, strong")
             elif name == "unknown" and any(t is r["truths"][c["is"]] for c in place if c["is"] is not None):

@@ -124,6 +124,26 @@ TEST_CASE("blunders beside physics: the large ones at once, the small ones with 
   CHECK(rows_of(found_in(s)) == both);
 }
 
+TEST_CASE("poses that alone were approached from the other side are no blunders") {
+  Simulated s = simulated(arm(), 3);
+  const Rows others = {19, 50, 94, 143};
+  for (const bool recorded : {false, true}) {
+    CAPTURE(recorded);
+    if (recorded) {
+      RecordedColumn side = s.recordings.columns[0];
+      side.name = "approach_joint2", side.values.assign(s.recordings.rows(), 1);
+      for (const std::size_t row : others) side.values[row] = -1;
+      s.recordings.columns.push_back(side);
+    } else {
+      blunder(s.recordings, others, 0.4);
+    }
+    CHECK(rows_of(found_in(s)) == (recorded ? Rows{} : others));
+  }
+  // A blunder beside them stays one.
+  blunder(s.recordings, {65}, 2);
+  CHECK(rows_of(found_in(s)) == Rows{65});
+}
+
 TEST_CASE("too many are a group of their own") {
   Simulated s = simulated(arm(), 9);
   Rows third;

@@ -187,6 +187,10 @@ const Case cases[] = {
     {"a residual of no feature", around(R"(<calibrate residual="position" of="other"/>)"),
      R"(model.xml:2:38: no measured feature 'other'
   expected one of: E)"},
+    {"a feature nobody knows, further down in a list of several lines",
+     around("<calibrate residual=\"position\" of=\"E,\n      other\"/>"),
+     R"(model.xml:3:7: no measured feature 'other'
+  expected one of: E)"},
     {"a residual nobody knows", around(R"(<calibrate residual="positon" of="E"/>)"),
      R"(model.xml:2:24: no residual 'positon' is known
   expected one of: closure, direction, distance, frame_points, inverse_direction_cosines, position, projection_angles, rotation_vector, turn, vector_length

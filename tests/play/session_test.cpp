@@ -114,8 +114,7 @@ TEST_CASE("a session calibrates as the library does") {
 
 TEST_CASE("play says in one line how to get the page, or writes it") {
   const testing::Folder folder;
-  const testing::Run run =
-      testing::command(folder, "play '" + lessons + "ankle.xml' --out p.html");
+  const testing::Run run = testing::command(folder, "play '" + lessons + "ankle.xml' --out p.html");
   if (run.code == 2) {
     CHECK(run.error.find("scripts/build page") != std::string::npos);
     CHECK(folder.files().empty());
