@@ -3,6 +3,8 @@
 #include <memory>
 
 #include "framework/cli/commands.h"
+#include "framework/cli/terminal.h"
+#include "framework/report/layout.h"
 #include "framework/report/plugin_json.h"
 
 namespace talus {
@@ -79,17 +81,20 @@ void run(const std::string& name, const Common& common) {
   if (!name.empty()) std::erase_if(all, [&](auto* p) { return p->declaration.tag != name; });
   if (!all.empty() && !common.json.empty()) return write_json(all, common.json);
   bool any = false;
+  std::string list;
   Family last{};
   for (const Plugin* plugin : registry.all()) {
     const Declaration& d = plugin->declaration;
     if (!name.empty()) {
-      if (d.tag == name) fmt::print("{}", describe_plugin(*plugin)), any = true;
+      if (d.tag == name) show(describe_plugin(*plugin)), any = true;
       continue;
     }
-    if (!any || d.family != last) fmt::print("{}{}s\n", any ? "\n" : "", to_string(d.family));
+    if (!any || d.family != last)
+      list += fmt::format("{}{}s\n", any ? "\n" : "", to_string(d.family));
     any = true, last = d.family;
-    fmt::print("  {:<26} {}\n", d.tag, d.summary);
+    list += wrapped(d.summary, fmt::format("  {:<26} ", d.tag), std::string(29, ' '));
   }
+  show(list);
   if (any) return;
   std::vector<std::string> tags;
   for (const Plugin* plugin : registry.all()) tags.push_back(plugin->declaration.tag);
@@ -106,8 +111,7 @@ void add_plugins(CLI::App& app) {
   auto name = std::make_shared<std::string>();
   command->add_option("name", *name, "a tag, to see its inputs");
   add_common(*command, *common, false, false);
-  command->add_option("--json", common->json, "write it as JSON (- for standard output)")
-      ->type_name("FILE");
+  add_json(*command, *common);
   command->callback([=] { run(*name, *common); });
 }
 

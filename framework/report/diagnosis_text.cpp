@@ -5,41 +5,15 @@
 
 #include "framework/diagnosis/blind_spots.h"
 #include "framework/report/diagnosis_report.h"
+#include "framework/report/layout.h"
 
 namespace talus {
 namespace {
-
-constexpr std::size_t kWidth = 100;
 
 std::string heading(Verdict verdict) {
   std::string text = to_string(verdict);
   for (char& c : text) c = c == '-' ? ' ' : static_cast<char>(std::toupper(c));
   return text;
-}
-
-// Broken at blanks; further lines are indented.
-std::string wrapped(const std::string& text, const std::string& first, const std::string& more) {
-  std::string out = first, word;
-  std::size_t column = first.size();
-  auto flush = [&] {
-    if (word.empty()) return;
-    const std::size_t bare = word.size() - (word.back() == ' ');
-    if (column + bare > kWidth) {
-      while (!out.empty() && out.back() == ' ') out.pop_back();
-      out += "\n" + more;
-      column = more.size();
-    }
-    out += word;
-    column += word.size();
-    word.clear();
-  };
-  for (const char c : text) {
-    word += c;
-    if (c == ' ') flush();
-  }
-  flush();
-  while (!out.empty() && out.back() == ' ') out.pop_back();
-  return out + "\n";
 }
 
 std::string quoted(const std::string& file) {
@@ -69,7 +43,6 @@ class Writer {
     sensitivity();
     next();
     how_to_go_on();
-    for (const std::string& warning : d_.warnings) out_ += wrapped(warning, "Warning: ", "  ");
     return std::move(out_);
   }
 

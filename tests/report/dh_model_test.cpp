@@ -221,7 +221,7 @@ TEST_CASE("talus convert --joints dh") {
         std::string::npos);
   const Run wrong = command(folder, "convert " + limbs + " no.xml --joints hd");
   CHECK(wrong.code == 2);
-  CHECK(wrong.error == "--joints hd: no such conversion\n  expected dh\n  did you mean 'dh'?\n");
+  CHECK(said(wrong.error) == "--joints hd: no such conversion\n  expected dh\n  did you mean 'dh'?\n");
   const std::string tree = "'" + shipped("upper-body-justin/model.xml") + "'";
   CHECK(command(folder, "convert " + tree + " no.xml --joints dh").code == 2);
   CHECK(!std::filesystem::exists(folder / "no.xml"));
