@@ -66,7 +66,7 @@ std::string chain_text(const Program& program) {
                fmt::format("{:.4g}", size.z()), units.length.text,
                program.frames[limb.frame].name});
   }
-  Table readings({"<sensor", "<column", "<joint coordinate"});
+  Table readings({"<sensor", "<column", "<joint coordinate, rad or mm"});
   for (const Reading& r : program.readings)
     if (!r.covariate) readings.row({r.sensor, r.column, formula(r.value, program.slot_names)});
   Table unknowns({"<unknown", "<one per"});

@@ -37,9 +37,8 @@ void add_color(CLI::App& command) {
 }
 
 void add_quiet(CLI::App& command, Common& common) {
-  command.add_flag(
-      "--quiet", common.quiet,
-      "no report, no progress: only files (and what is asked for as -), warnings, errors");
+  command.add_flag("--quiet", common.quiet,
+                   "no report and no progress bar: only files, warnings and errors");
 }
 
 void add_json(CLI::App& command, Common& common) {

@@ -34,6 +34,7 @@ std::string describe_plugin(const Plugin& plugin) {
   if (d.family == Family::sensor)
     out += fmt::format("  reading in {}, value in {}\n", units.of(d.reading).text,
                        units.of(d.value).text);
+  Table inputs({"<input", "<unit", "<default", "<meaning"});
   for (const Input& i : d.inputs) {
     if (i.role == Role::borrowed) continue;
     if (d.effect.unknown && i.role == Role::amount && &i != &d.inputs[0] &&
@@ -43,14 +44,13 @@ std::string describe_plugin(const Plugin& plugin) {
         i.coordinate ? "coordinate"
         : i.required ? "required"
                      : fmt::format("{:.12g}", i.otherwise / units.of(i.dimension).factor);
-    out +=
-        fmt::format("  {:<12} {:<10} {:<10} {}", i.name, unit_text(i, units), otherwise, i.meaning);
+    std::string meaning = i.meaning;
     if (i.role == Role::amount && !i.relative)
-      out += fmt::format("; usual size {:.3g}", i.typical / units.of(i.dimension).factor);
-    out += "\n";
+      meaning += fmt::format("; usual size {:.3g}", i.typical / units.of(i.dimension).factor);
+    inputs.row({i.name, unit_text(i, units), otherwise, meaning});
   }
-  for (const Choice& c : d.choices)
-    out += fmt::format("  {:<12} {:<21} {}\n", c.name, join(c.words, "|"), c.meaning);
+  for (const Choice& c : d.choices) inputs.row({c.name, "", join(c.words, "|"), c.meaning});
+  if (!inputs.empty()) out += inputs.text();
   if (!d.columns.empty()) {
     std::string list;
     for (const Column& c : d.columns)

@@ -42,7 +42,7 @@ std::string progress_line(const std::string& step, double share, double gone, do
   std::string after = fmt::format(" {:.0f} s", gone);
   if (share > 0) {
     after = fmt::format(" {:3.0f} %", 100 * share);
-    if (left >= 0) after += ", " + time_left(left);
+    if (left >= 0 && share < 1) after += ", " + time_left(left);
     const int room = static_cast<int>(columns) - 42, width = std::clamp(room, 0, 30);
     const int full = static_cast<int>(share * width);
     if (width >= 5)
@@ -72,7 +72,7 @@ Progress::~Progress() {
   }
   ended_.notify_all();
   painter_.join();
-  if (!shown_) return;
+  if (shown_.empty()) return;
   fmt::print(stderr, "\r\x1b[K");
   std::fflush(stderr);
 }
@@ -91,9 +91,10 @@ void Progress::draw() {
   const double left = left_ < 0 ? -1 : std::max(0.0, left_ - seconds(now - told_));
   const std::string line =
       progress_line(step_, share_, seconds(now - start_), left, terminal_columns(STDERR_FILENO));
+  if (line == shown_) return;
   fmt::print(stderr, "\r{}\x1b[K", line);
   std::fflush(stderr);
-  shown_ = true;
+  shown_ = line;
 }
 
 }  // namespace talus

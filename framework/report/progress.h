@@ -37,10 +37,10 @@ class Progress {
 
   std::mutex lock_;
   std::condition_variable ended_;
-  std::string step_;
+  std::string step_, shown_;      // what stands on the terminal
   double share_ = 0, left_ = -1;  // seconds left when the share was told; unknown below 0
   Clock::time_point start_ = Clock::now(), told_ = start_;
-  bool over_ = false, shown_ = false;
+  bool over_ = false;
   std::thread painter_;
 };
 

@@ -30,6 +30,11 @@ std::string errors_text(const std::vector<Measure>& measures, const UnitSystem& 
   return join(words);
 }
 
+// Three digits: 1.00, 12.3, 456.
+std::string ratio(double v) {
+  return v < 100 ? fmt::format("{:#.3g}", v) : fmt::format("{:.0f}", v);
+}
+
 std::string directions_text(const Identifiability& seen, const std::string& when) {
   if (seen.unseen.empty())
     return when + (when.empty() ? "Every" : "every") +
@@ -83,7 +88,7 @@ std::optional<Mood> mood_of(const std::string& word) {
 
 std::string noise_in_words(const Fit& fit) {
   if (!(fit.dof > 0)) return "not to be judged";
-  return fmt::format("{:.3g} {}", fit.noise_scale,
+  return fmt::format("{} {}", ratio(fit.noise_scale),
                      fit.noise_known ? "times the stated noise" : "(weighted; noise not stated)");
 }
 
@@ -115,16 +120,16 @@ Spoken verdict_of_fit(const Program& program, const Fit& fit) {
       fit.noise_known ? "times the stated noise" : "times the noise that the fit leaves";
   if (fit.poses_check > 0)
     verdict.sentences.push_back(
-        fmt::format("On {} held out, residuals are {:.3g} {} (root mean square): {}.",
-                    poses_text(fit.poses_check), fit.heldout_rms / fit.expected_rms, noise,
+        fmt::format("On {} held out, residuals are {} {} (root mean square): {}.",
+                    poses_text(fit.poses_check), ratio(fit.heldout_rms / fit.expected_rms), noise,
                     errors_text(fit.measures_check, program.units)));
   else
     verdict.sentences.emplace_back("No rows were held out.");
   std::string fitted = fmt::format("On the {} fitted ", poses_text(fit.poses_fit));
   if (fit.dof > 0 && fit.noise_known)
-    fitted +=
-        fmt::format("they are {}: chi-square {:.5g} on {:.0f} degrees of freedom, p = {:.2g}.",
-                    noise_in_words(fit), fit.chi2, fit.dof, fit.chi2_p);
+    fitted += fmt::format("they are {}: chi-square {:.5g} on {:.0f} degrees of freedom, {}.",
+                          noise_in_words(fit), fit.chi2, fit.dof,
+                          fit.chi2_p < 1e-6 ? "p < 1e-6" : fmt::format("p = {:.2g}", fit.chi2_p));
   else
     fitted += fmt::format("they are {} (root mean square).",
                           errors_text(fit.measures_fit, program.units));
@@ -163,8 +168,9 @@ Spoken verdict_of_axes(const AxesResult& result, const std::vector<std::string>&
                                               noise_in_words(all[r].fit)));
   else
     verdict.sentences.push_back(fmt::format(
-        "{} recordings, {}: residuals {:.3g} to {:.3g} {}.", all.size(), poses_text(poses), least,
-        most, all[0].fit.noise_known ? "times the stated noise" : "(weighted; noise not stated)"));
+        "{} recordings, {}: residuals {} to {} {}.", all.size(), poses_text(poses), ratio(least),
+        ratio(most),
+        all[0].fit.noise_known ? "times the stated noise" : "(weighted; noise not stated)"));
   return verdict;
 }
 

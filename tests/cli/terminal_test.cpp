@@ -76,10 +76,9 @@ TEST_CASE("--quiet: nothing on standard output, whatever the command; --json - i
     CHECK(run.out.empty());
     CHECK(run.error.empty() == (run.code == 0));  // errors are told nevertheless
   }
-  for (const std::string& command_word : {"calibrate", "diagnose --next-count 0 --only backlash"}) {
-    const std::string word = command_word;
-    const std::string quiet = word.substr(0, 9) == "calibrate" ? " --quiet" : "";
-    const Run run = command(folder, word + " " + arm + " poses.csv --json -" + quiet);
+  for (const std::string word : {"calibrate", "diagnose --next-count 0 --only backlash"}) {
+    const Run run = command(
+        folder, word + " " + arm + " poses.csv --json -" + (word == "calibrate" ? " --quiet" : ""));
     CHECK(run.out.starts_with("{"));
     CHECK(run.out.ends_with("}\n"));
   }
@@ -122,7 +121,7 @@ TEST_CASE("errors: the place, the word error, what was found") {
 
 TEST_CASE("a bar, on a terminal, of what takes long; cleared before the report") {
   const RecordedFolder folder;
-  const std::string slow = "calibrate " + arm + " poses.csv --threads 1 --restarts 1500 ";
+  const std::string slow = "calibrate " + arm + " poses.csv --threads 1 --restarts 10000 ";
   const std::string shown = terminal(folder, slow + "--color never");
   const std::size_t cleared = shown.rfind("\r\x1b[K"), verdict = shown.find("CALIBRATED.");
   CHECK(std::regex_search(shown, std::regex("\rfitting +\\[#*")));

@@ -25,7 +25,7 @@ TEST_CASE("the verdict of a fit, as text and on its page") {
   const Spoken verdict = verdict_of_fit(program, fit);
   CHECK(verdict.word == "CALIBRATED");
   CHECK(fit.noise_scale != doctest::Approx(fit.fit_rms / fit.expected_rms).epsilon(0.02));
-  CHECK(whole(verdict).find(fmt::format("{:.3g} times the stated noise: chi-square",
+  CHECK(whole(verdict).find(fmt::format("{:#.3g} times the stated noise: chi-square",
                                         fit.noise_scale)) != std::string::npos);
   CHECK(whole(verdict).find("36 of 38 directions") != std::string::npos);
   PageContent page;
