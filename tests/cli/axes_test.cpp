@@ -180,7 +180,7 @@ TEST_CASE("study: the same table on any number of threads, at once or taken up a
   CHECK(contents(folder / "three.csv") == whole);
   CHECK(command(folder, study + "--trials 6").out == whole);
   CHECK(contains(one.out, "Largest root mean square error of any position and any orientation"));
-  CHECK(contains(one.out, "Table: one.csv"));
+  CHECK(contains(one.out, " of noise: one.csv\n"));
   const std::vector<std::string> lines = lines_of(whole);
   REQUIRE(lines.size() == 2 + 4);
   CHECK(contains(lines[1], "joint2.d,joint3.a,noise[deg],trials,poses,outside,unreachable,"));

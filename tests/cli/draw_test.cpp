@@ -57,6 +57,7 @@ TEST_CASE(
   CHECK(html.find("row 1 to 3: q 4.0 deg, u 10.0 deg") != std::string::npos);
   CHECK(folder.files().size() == 4);  // no picture beside it
   CHECK(complaint(folder, "draw arm.xml holes.csv --pose 2 --quiet") ==
+        "Warning: holes.csv has no column u: there the model's start is shown.\n"
         "holes.csv:3: this row lacks a reading\n  expected another --pose\n");
   CHECK(complaint(folder, "draw arm.xml holes.csv --pose 5") ==
         "--pose 5: there are 4 rows\n  expected 1 to 4\n");
