@@ -105,7 +105,7 @@ void run(const std::string& model_file, const std::string& recordings_file,
   Registry registry = common.registry();
   const Model model = open_model(model_file, registry, common);
   const Program program = compile(model, registry);
-  PageContent page = page_content("check", model, {recordings_file, points_file});
+  PageContent page = page_content("check", model, common, {recordings_file, points_file});
   page.report_text = chain_text(program) + axes_text(program);
   fmt::print("{}\n{}", program.name, page.report_text);
   if (recordings_file.empty()) {

@@ -140,7 +140,7 @@ void page_of_diagnosis(PageContent& content, const Diagnosis& d, const Advice& a
   if (!d.noise.statement.empty()) content.sentences.push_back(d.noise.statement);
   for (const std::string& warning : d.warnings) content.sentences.push_back(warning);
   const Program& program = *d.program;
-  content.states.push_back({"nominal", &program, {}});
+  content.states.push_back(given_state("nominal", program, before, 1));
   content.states.push_back(fitted_state("as given, fitted", program, before, fit_before(d)));
   const bool found = !d.findings.empty();
   if (found)
@@ -149,6 +149,9 @@ void page_of_diagnosis(PageContent& content, const Diagnosis& d, const Advice& a
   content.use = use_of(before.rows(), d.split);
   content.directions = directions(found ? d.after.seen : fit_before(d).seen,
                                   found ? *d.program_after : program, found ? 2 : 1);
+  content.curves = advice.curves;
+  content.curves.resize(d.findings.size());
+  content.curves.insert(content.curves.end(), advice.hint_curves.begin(), advice.hint_curves.end());
   for (const NextPose& pose : advice.next.poses) {
     content.next.emplace_back();
     for (std::size_t i = 0; i < pose.coordinates.size(); ++i)
@@ -172,6 +175,7 @@ void page_of_axes(PageContent& content, const AxisFinder& finder, const AxesResu
         "{}: {}, {:.3g} {} (root mean square).", names[r], poses_text(fit.poses_fit), fit.fit_rms,
         fit.noise_known ? "stated sigmas" : "times the noise that the fit leaves"));
     content.states.push_back(fitted_state(names[r], program, recordings[r], fit));
+    content.states.back().apart = r > 0;
   }
   std::rotate(content.states.begin(), content.states.begin() + 1, content.states.end());
   content.recordings = &recordings[0];
