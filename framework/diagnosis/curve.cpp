@@ -14,7 +14,7 @@ namespace {
 using Eigen::MatrixXd, Eigen::VectorXd;
 
 constexpr int kBins = 12;
-constexpr int kFine = 48, kPosesInFine = 4;  // narrow bins: at most so many, of so many poses
+constexpr int kFine = 48, kPosesInFine = 8;  // narrow bins: at most so many, of so many poses
 const Unit kPlain{"1", number, 1, 0};
 
 struct Corrections {
@@ -61,28 +61,32 @@ Corrections corrections(const Linearised& at, const std::vector<int>& places, in
   return c;
 }
 
-// Which bin each value belongs to; -1: none.
-std::vector<int> bins_of(const VectorXd& x, int most) {
-  std::map<double, int> distinct;
+// Which bin each value belongs to; -1: none. Bins of equal width, or of nearly equal counts.
+std::vector<int> bins_of(const VectorXd& x, int most, bool counts) {
+  std::map<double, int> distinct;  // how many
   for (const double v : x)
-    if (std::isfinite(v)) distinct[v] = 0;
+    if (std::isfinite(v)) ++distinct[v];
   std::vector<int> bins(static_cast<std::size_t>(x.size()), -1);
   if (distinct.size() < 2) return bins;
-  int next = 0;
-  for (auto& [v, bin] : distinct) bin = next++;
   const double low = distinct.begin()->first, high = distinct.rbegin()->first;
+  const bool few = static_cast<int>(distinct.size()) <= most;
+  std::map<double, int> bin;
+  int before = 0, total = 0;
+  for (const auto& [v, n] : distinct) total += n;
+  for (const auto& [v, n] : distinct) {
+    bin[v] = few      ? static_cast<int>(bin.size())
+             : counts ? before * most / total
+                      : std::min(most - 1, static_cast<int>(most * (v - low) / (high - low)));
+    before += n;
+  }
   for (Eigen::Index k = 0; k < x.size(); ++k)
-    if (std::isfinite(x[k]))
-      bins[static_cast<std::size_t>(k)] =
-          static_cast<int>(distinct.size()) <= most
-              ? distinct[x[k]]
-              : std::min(most - 1, static_cast<int>(most * (x[k] - low) / (high - low)));
+    if (std::isfinite(x[k])) bins[static_cast<std::size_t>(k)] = bin[x[k]];
   return bins;
 }
 
 std::vector<CurvePoint> binned(const VectorXd& x, const Corrections& before,
-                               const Corrections& after, int most) {
-  const std::vector<int> bins = bins_of(x, most);
+                               const Corrections& after, int most, bool counts) {
+  const std::vector<int> bins = bins_of(x, most, counts);
   std::vector<CurvePoint> points(static_cast<std::size_t>(most));
   std::vector<double> weights(points.size(), 0);
   MatrixXd spread = MatrixXd::Zero(most, after.spread.cols());
@@ -152,13 +156,13 @@ Curve curve_of(const Ground& ground, const Search& search, std::size_t i, const 
   double best = 0, factor = 1;
   for (const CovariateAxis& axis : covariate_axes(e, place, *before.program, units)) {
     const VectorXd x = values_at(before, axis.value);
-    std::vector<CurvePoint> points = binned(x, first, second, kBins);
+    std::vector<CurvePoint> points = binned(x, first, second, kBins, false);
     if (shown(points) <= best) continue;
     best = shown(points);
     curve.x = axis.name, curve.x_unit = axis.unit, factor = axis.factor;
     curve.points = std::move(points);
     const int most = std::min(kFine, static_cast<int>(x.size()) / kPosesInFine);
-    curve.fine = most > kBins ? binned(x, first, second, most) : curve.points;
+    curve.fine = most > kBins ? binned(x, first, second, most, true) : curve.points;
   }
   const bool twist = parts == 6;
   const Unit unit = twist                         ? (part < 3 ? units.length : units.angle)

@@ -26,7 +26,7 @@ struct CurvePoint {
 struct Curve {
   std::string x, x_unit, y, y_unit;   // "encoder3", "deg"; "correction of encoder3", "deg"
   std::vector<CurvePoint> points;     // by x; none where nothing varies
-  std::vector<CurvePoint> fine = {};  // the same in narrower bins: for a picture
+  std::vector<CurvePoint> fine = {};  // the same in more bins, of equal counts: for a picture
 };
 
 // Of member i of the best hypothesis.

@@ -124,7 +124,7 @@ export function curveChart(curve, list) {
     `${curve.y} against ${curve.x}: ${list.length} bins before and after, and the fitted effect with twice its standard uncertainty` });
   holder(box, width => {
     const colours = palette();
-    return plot(box, of("x"), { width: Math.min(width, 760), height: 260, x: named(curve.x, unitText(curve.x_unit)), y: named(curve.y, unitText(curve.unit)), series: [
+    return plot(box, of("x"), { width: Math.min(width, 760), height: 300, x: named(curve.x, unitText(curve.x_unit)), y: named(curve.y, unitText(curve.unit)), series: [
       { ...banded("fitted effect", colours.effect, list.map(p => 2 * (p.fitted_std ?? 0))), ys: of("fitted") },
       { ...points("before", colours.before, "circle", false, of("std")), ys: of("before") },
       { ...points("after", colours.after, "square", true, of("std")), ys: of("after") }] });
