@@ -59,8 +59,10 @@ Dataset::Dataset(const Program& program, const Plan& plan, const Recordings& rec
     try {
       return &recordings.get(name, dimension);
     } catch (const InputError& e) {
-      throw InputError(std::string(e.what()) +
-                       fmt::format("\n  needed by {} at {}", what, to_string(place)));
+      const std::string found = e.what(), before = to_string(e.place()) + ": ";
+      throw InputError(e.place(),
+                       found.substr(found.starts_with(before) ? before.size() : 0) +
+                           fmt::format("\n  needed by {} at {}", what, to_string(place)));
     }
   };
   const std::set<int> needed(plan.data_slots().begin(), plan.data_slots().end());

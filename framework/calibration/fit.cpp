@@ -173,7 +173,11 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
     if (!problem.noise_known() && std::isfinite(found.final_cost))
       solutions.back().report.final_cost = problem.information(at).cost;
   };
+  auto told = [&](int starts) {
+    if (options.progress) options.progress(starts / (1.0 + options.restarts));
+  };
   keep(report, x);
+  told(1);
   std::size_t best = 0;
   std::mt19937_64 random(options.seed);
   std::normal_distribution<double> normal;
@@ -193,6 +197,7 @@ Fit calibrate(const Program& program, const Recordings& recordings, const Split&
     const double least = solutions[best].report.final_cost;
     if (solutions.back().report.final_cost < least - 1e-6 * least - 1e-9)
       best = solutions.size() - 1;
+    told(k + 2);
   }
   x = solutions[best].x;
   problem.set_latent_values(solutions[best].latent);

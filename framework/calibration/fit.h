@@ -2,6 +2,7 @@
 // and what not. Plain data in, plain data out.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,6 +21,7 @@ struct FitOptions {
   std::uint64_t seed = 1;
   std::vector<double> start;  // instead of the nominal values; parameters, then shared unknowns
   enum class Solver { automatic, gram, qr } solver = Solver::automatic;
+  std::function<void(double)> progress;  // share of the starts done
 };
 
 // The errors of one residual row over some poses, in internal units; NaN where not defined.

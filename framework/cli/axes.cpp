@@ -1,10 +1,9 @@
-#include <fmt/format.h>
-
 #include <memory>
 
 #include "framework/calibration/axes_changes.h"
 #include "framework/calibration/linkage_poses.h"
 #include "framework/cli/axes_words.h"
+#include "framework/cli/terminal.h"
 #include "framework/page/contents.h"
 #include "framework/report/axes.h"
 #include "framework/report/progress.h"
@@ -51,8 +50,8 @@ void run(const Options& o) {
   if (!o.actual.empty()) actual = read_recordings(o.actual);
   AxesResult result;
   {
-    Progress bar("axes");
-    options.progress = [&](double share) { bar(share); };
+    Progress bar(!o.common.quiet, "axes");
+    options.progress = [&](double share) { bar("axes", share); };
     result = find_axes(finder, recordings, options, actual ? &*actual : nullptr);
   }
   const AxesContext context{o.model, o.linkage, o.actual, o.recordings, options.labels};
@@ -64,7 +63,11 @@ void run(const Options& o) {
     page_of_axes(page, finder, result, recordings, o.recordings);
     put_page(o.html, page);
   }
-  if (!o.common.quiet && o.common.json != "-") fmt::print("{}", axes_text(finder, result, context));
+  if (o.common.report_wanted()) show(axes_text(finder, result, context));
+  for (std::size_t r = 0; r < recordings.size(); ++r)
+    for (const std::string& w : result.whole.located[r].fit.warnings)
+      if (w.starts_with("The solver") || w.starts_with("Another set"))
+        warn(o.recordings[r] + ": " + w);
   bool any = false, converged = true;
   for (const Located& l : result.whole.located) {
     converged &= l.fit.converged;
@@ -107,15 +110,10 @@ void add_axes(CLI::App& app) {
       ->capture_default_str();
   add_html(*command, o->html);
   add_common(*command, o->common, true, false);
-  command->add_flag("--quiet", o->common.quiet, "print results only to files");
-  command->add_option("--json", o->common.json, "write the results as JSON (- for standard output)")
-      ->type_name("FILE");
-  command->add_option("--seed", o->common.seed, "seed of all random choices")
-      ->capture_default_str();
-  command
-      ->add_option("--threads", o->common.threads,
-                   "threads (default: one per core); results do not depend on it")
-      ->check(CLI::Range(1, 1024));
+  add_quiet(*command, o->common);
+  add_json(*command, o->common);
+  add_seed(*command, o->common);
+  add_threads(*command, o->common);
   command->callback([o] { run(*o); });
 }
 

@@ -9,7 +9,9 @@
 #include "framework/calibration/circumstances.h"
 #include "framework/calibration/fit.h"
 #include "framework/cli/commands.h"
+#include "framework/cli/terminal.h"
 #include "framework/page/contents.h"
+#include "framework/report/progress.h"
 #include "framework/report/report.h"
 
 namespace talus {
@@ -26,6 +28,22 @@ struct Options {
   FitOptions fit;
 };
 
+// One fit after the other, all of them one bar.
+struct Fitting {
+  explicit Fitting(bool wanted) : bar(wanted, "fitting") {}
+  Progress bar;
+  int all = 1, done = 0;
+
+  Fit operator()(const std::string& step, const Program& program, const Recordings& recordings,
+                 const Split& split, FitOptions options) {
+    options.progress = [&](double share) { bar(step, (done + share) / all); };
+    options.progress(0);
+    Fit fit = calibrate(program, recordings, split, options);
+    ++done;
+    return fit;
+  }
+};
+
 Program compiled(const Model& model, const Registry& registry, const Options& o) {
   Program program = compile(model, registry);
   if (o.without_priors)
@@ -34,7 +52,7 @@ Program compiled(const Model& model, const Registry& registry, const Options& o)
 }
 
 std::vector<FoldStep> fold(const Program& program, const Recordings& recordings, const Split& split,
-                           const Options& o) {
+                           const Options& o, Fitting& fitting) {
   std::vector<FoldStep> steps;
   const auto all = folds(split.group, o.folds, o.common.seed);
   if (all.empty())
@@ -45,7 +63,8 @@ std::vector<FoldStep> fold(const Program& program, const Recordings& recordings,
     std::set<std::size_t> out_of(held.begin(), held.end());
     for (std::size_t k = 0; k < recordings.rows(); ++k)
       if (!out_of.contains(k)) fold.fit.push_back(k);
-    const Fit fit = calibrate(program, recordings, fold, o.fit);
+    const Fit fit =
+        fitting(fmt::format("fold {}", steps.size() + 1), program, recordings, fold, o.fit);
     steps.push_back({held.size(), fit.fit_rms, fit.heldout_rms});
   }
   return steps;
@@ -54,7 +73,7 @@ std::vector<FoldStep> fold(const Program& program, const Recordings& recordings,
 // Weights w and 1 - w for the two residuals of <calibrate>; the best by the check rows' RMSE in %
 // of full scale.
 std::vector<SweepStep> sweep(Model& model, const Registry& registry, const Recordings& recordings,
-                             const Options& o) {
+                             const Options& o, Fitting& fitting) {
   double first = 0, last = 1, step = 0.1;
   if (std::sscanf(o.sweep.c_str(), "%lf:%lf:%lf", &first, &last, &step) != 3 || !(step > 0) ||
       last < first || first < 0 || last > 1)
@@ -67,6 +86,7 @@ std::vector<SweepStep> sweep(Model& model, const Registry& registry, const Recor
   if (std::none_of(model.root.children.begin(), model.root.children.end(),
                    [](const Element& e) { return e.tag == "calibrate"; }))
     throw InputError({o.model, 0, 0}, "--sweep needs a <calibrate> element with two residuals");
+  fitting.all += count + 1;
   std::vector<SweepStep> steps;
   for (int i = 0; i <= count; ++i) {
     const double w = first + i * step;
@@ -75,7 +95,7 @@ std::vector<SweepStep> sweep(Model& model, const Registry& registry, const Recor
     const Program program = compiled(model, registry, o);
     const Split split = split_rows(
         recordings, split_options(program, recordings, o.check, o.groups, o.common.seed));
-    const Fit fit = calibrate(program, recordings, split, o.fit);
+    const Fit fit = fitting(fmt::format("weight {:.3g}", w), program, recordings, split, o.fit);
     double mean = 0;
     int counted = 0;
     for (const Measure& m : fit.measures_check)
@@ -113,17 +133,21 @@ void run(Options& o) {
                  : o.solver == "qr" ? FitOptions::Solver::qr
                                     : FitOptions::Solver::automatic;
   ReportContext context{"calibrate", o.model, o.recordings, &measured};
-  if (!o.sweep.empty()) context.sweep = sweep(model, registry, recordings, o);
+  auto fitting = std::make_unique<Fitting>(!o.common.quiet);
+  fitting->all += o.folds > 1 ? o.folds : 0;
+  if (!o.sweep.empty()) context.sweep = sweep(model, registry, recordings, o, *fitting);
   const Program program = compiled(model, registry, o);
   const Split split =
       split_rows(recordings, split_options(program, recordings, o.check, o.groups, o.common.seed));
-  Fit fit = calibrate(program, recordings, split, o.fit);
+  fitting->all += depends_on_loads(program) ? 1 : 0;
+  Fit fit = (*fitting)("fitting", program, recordings, split, o.fit);
   if (depends_on_loads(program)) {  // once more, with the loads at the geometry found
     recordings = with_derived(program, recordings, fit.x);
-    fit = calibrate(program, recordings, split, o.fit);
+    fit = (*fitting)("fitting again", program, recordings, split, o.fit);
   }
   fit.warnings.insert(fit.warnings.begin(), measured.warnings.begin(), measured.warnings.end());
-  if (o.folds > 1) context.folds = fold(program, recordings, split, o);
+  if (o.folds > 1) context.folds = fold(program, recordings, split, o, *fitting);
+  fitting.reset();
   const std::string text = text_report(program, fit, context);
 
   Model calibrated = calibrated_model(model, program, fit);
@@ -146,10 +170,8 @@ void run(Options& o) {
     page_of_fit(page, program, recordings, split, fit);
     put_page(o.html, page);
   }
-  if (!o.common.quiet && o.common.json != "-") fmt::print("{}Calibrated model: {}\n", text, file);
-  for (const std::string& warning :
-       o.common.quiet || o.common.json == "-" ? fit.warnings : std::vector<std::string>{})
-    fmt::print(stderr, "Warning: {}\n", warning);
+  if (o.common.report_wanted()) show(fmt::format("{}\nCalibrated model: {}\n", text, file));
+  for (const std::string& warning : fit.warnings) warn(warning);
   exit_code() = fit.converged ? 0 : 1;
 }
 

@@ -8,15 +8,30 @@
 #include "framework/calibration/fit.h"
 #include "framework/calibration/settings.h"
 #include "framework/cli/commands.h"
+#include "framework/cli/terminal.h"
 #include "framework/kinematics/posture.h"
 #include "framework/page/contents.h"
-#include "framework/report/report.h"
+#include "framework/report/layout.h"
+#include "framework/report/progress.h"
+#include "framework/report/verdict.h"
 
 namespace talus {
 namespace {
 
-std::string chain_text(const Program& program) {
-  std::string out = "Frames\n";
+// "300 ± 2" in two: the value and what stands behind it.
+std::pair<std::string, std::string> parted(const std::string& quantity) {
+  const std::size_t blank = quantity.find(' ');
+  if (blank == std::string::npos) return {quantity, ""};
+  return {quantity.substr(0, blank), quantity.substr(blank + 1)};
+}
+
+// A heading and its rows; nothing where there are none.
+std::string part(const std::string& heading, const Table& table) {
+  return table.empty() ? "" : "\n" + heading + "\n" + table.text();
+}
+
+std::string frames_text(const Program& program) {
+  std::string out = "\nFrames\n";
   std::function<void(int, int)> branch = [&](int frame, int depth) {
     std::string names;
     for (const auto& [name, index] : program.frame_index)
@@ -26,50 +41,55 @@ std::string chain_text(const Program& program) {
       if (program.frames[f].parent == frame) branch(static_cast<int>(f), depth + 1);
   };
   branch(0, 0);
-  if (!program.limbs.empty()) out += "Limbs\n";
-  for (const Limb& limb : program.limbs) {
-    const Unit unit = program.units.of(length);
-    const Eigen::Vector3d size = limb.size / unit.factor;
-    out += fmt::format("  {:<14} {:.4g} x {:.4g} x {:.4g} {}, at {}\n", limb.name, size.x(),
-                       size.y(), size.z(), unit.text, program.frames[limb.frame].name);
-  }
-  out += "Readings\n";
-  for (const Reading& r : program.readings)
-    if (!r.covariate)
-      out += fmt::format("  {:<14} {:<10} {}\n", r.sensor, r.column,
-                         formula(r.value, program.slot_names));
-  std::vector<std::string> circumstances;
+  return out;
+}
+
+std::string circumstances_text(const Program& program) {
+  std::vector<std::string> list;
   for (const Reading& r : program.readings)
     if (r.covariate) {  // the load of a joint has many columns
       const bool load = r.column.starts_with("load:");
       const std::string name =
           load ? "load of " + r.column.substr(5, r.column.find_last_of('.') - 5) : r.column;
-      if (std::find(circumstances.begin(), circumstances.end(), name) == circumstances.end())
-        circumstances.push_back(name);
+      if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
     }
-  if (!circumstances.empty()) out += fmt::format("Circumstances: {}\n", join(circumstances));
-  if (!program.unknowns.empty()) out += "Unknowns\n";
+  return list.empty() ? "" : "\nCircumstances\n" + wrapped(join(list), "  ", "  ");
+}
+
+std::string chain_text(const Program& program) {
+  const UnitSystem& units = program.units;
+  std::string out = frames_text(program);
+  Table limbs({"<limb", ".length", ".width", ".height", "<unit", "<at"});
+  for (const Limb& limb : program.limbs) {
+    const Eigen::Vector3d size = limb.size / units.length.factor;
+    limbs.row({limb.name, fmt::format("{:.4g}", size.x()), fmt::format("{:.4g}", size.y()),
+               fmt::format("{:.4g}", size.z()), units.length.text,
+               program.frames[limb.frame].name});
+  }
+  Table readings({"<sensor", "<column", "<joint coordinate, rad or mm"});
+  for (const Reading& r : program.readings)
+    if (!r.covariate) readings.row({r.sensor, r.column, formula(r.value, program.slot_names)});
+  Table unknowns({"<unknown", "<one per"});
   for (const Unknown& u : program.unknowns)
-    out += fmt::format("  {:<14} per {}\n", u.name, u.per.empty() ? "pose" : join(u.per));
-  out += "Measured features\n";
+    unknowns.row({u.name, u.per.empty() ? "pose" : join(u.per)});
+  Table features({"<feature", "<kind", "<of", "<in"});
   for (const Feature& f : program.features)
-    out += fmt::format("  {:<14} {} of {} in {}\n", f.name, f.tag, program.chains[f.chain].at,
-                       program.chains[f.chain].in);
-  out += "Residual rows\n";
-  for (const Row& row : program.rows)
-    out += fmt::format("  {:<14} {}\n", row.measure,
-                       row.sigma ? fmt::format("sigma {:.4g} {}",
-                                               *row.sigma / program.units.of(row.dimension).factor,
-                                               program.units.of(row.dimension).text)
-                                 : "no stated sigma");
-  out += fmt::format("{} free parameters\n", program.parameters.size());
-  std::size_t width = 20;
-  for (const Parameter& p : program.parameters) width = std::max(width, p.name.size());
-  for (const Parameter& p : program.parameters)
-    out += fmt::format("  {:<{}} {} {}\n", p.name, width,
-                       write_quantity(p.nominal, p.dimension, program.units),
-                       program.units.of(p.dimension).text);
-  return out;
+    features.row({f.name, f.tag, program.chains[f.chain].at, program.chains[f.chain].in});
+  Table rows({"<row", ".sigma", "<unit"});
+  for (const Row& row : program.rows) {
+    const Unit unit = units.of(row.dimension);
+    rows.row({row.measure,
+              row.sigma ? fmt::format("{:.4g}", *row.sigma / unit.factor) : "not stated",
+              unit.text});
+  }
+  Table parameters({"<parameter", ".value", "<tolerance", "<unit"});
+  for (const Parameter& p : program.parameters) {
+    const auto [value, tolerance] = parted(write_quantity(p.nominal, p.dimension, units));
+    parameters.row({p.name, value, tolerance, units.of(p.dimension).text});
+  }
+  return out + part("Limbs", limbs) + part("Readings", readings) + circumstances_text(program) +
+         part("Unknowns", unknowns) + part("Measured features", features) +
+         part("Residual rows", rows) + part("Free parameters", parameters);
 }
 
 // Angle and shortest distance between the axes of joints that follow each other along the tree,
@@ -81,7 +101,7 @@ std::string axes_text(const Program& program) {
   posture.set(rest);
   const std::vector<JointAxis>& axes = posture.axes();
   const Unit mm = program.units.length, degrees = program.units.angle;
-  std::string out;
+  Table table({"<joints", ".angle, " + degrees.text, ".distance, " + mm.text});
   for (std::size_t b = 0; b < axes.size(); ++b) {
     const int a = axis_before(program, axes, b);
     if (a < 0) continue;
@@ -92,11 +112,11 @@ std::string axes_text(const Program& program) {
     auto shown = [](double v) { return v < 1e-9 ? 0 : v; };  // rounding is not a distance
     if (before->frame == axes[b].frame && shown(acute) == 0 && shown(between.distance) == 0)
       continue;  // two coordinates that turn one joint about one axis
-    out += fmt::format("  {:<30} {:>10.4g} {} {:>12.4g} {}\n",
-                       before->joint + " - " + axes[b].joint, shown(acute) / degrees.factor,
-                       degrees.text, shown(between.distance) / mm.factor, mm.text);
+    table.row({before->joint + " - " + axes[b].joint,
+               fmt::format("{:.4g}", shown(acute) / degrees.factor),
+               fmt::format("{:.4g}", shown(between.distance) / mm.factor)});
   }
-  return out.empty() ? out : "Joint axes: angle and distance, readings at zero\n" + out;
+  return part("Joint axes, readings at zero", table);
 }
 
 void run(const std::string& model_file, const std::string& recordings_file,
@@ -106,27 +126,38 @@ void run(const std::string& model_file, const std::string& recordings_file,
   const Model model = open_model(model_file, registry, common);
   const Program program = compile(model, registry);
   PageContent page = page_content("check", model, common, {recordings_file, points_file});
-  page.report_text = chain_text(program) + axes_text(program);
-  fmt::print("{}\n{}", program.name, page.report_text);
+  const std::string title = fmt::format("\n{}\n", program.name.empty() ? "Model" : program.name),
+                    chain = chain_text(program) + axes_text(program);
+  auto finish = [&](const Spoken& verdict, const std::string& more) {
+    page.report_text =
+        text_of(verdict) + title +
+        wrapped("model " + model_file +
+                    (recordings_file.empty() ? "" : ", recordings " + recordings_file),
+                "  ", "  ") +
+        more + chain;
+    put_page(html, page);
+    if (!common.quiet) show(page.report_text);
+  };
   if (recordings_file.empty()) {
     page_of_model(page, program);
-    put_page(html, page);
-    return;
+    return finish(verdict_of_model(program), "");
   }
+  auto bar = std::make_unique<Progress>(!common.quiet, "checking");
   const Measured measured = open_recordings(program, recordings_file, points_file);
   const Recordings recordings = with_derived(program, measured.recordings);
-  fmt::print("{}", probing_text(program, measured));
   std::vector<std::size_t> rows(recordings.rows());
   for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = k;
   Problem problem(program, recordings, rows, Groups(program, recordings), {});
   const Identifiability seen = identify(problem, problem.start(), 1, program.units);
-  fmt::print("{} poses; at the nominal values {} of {} directions are seen\n", rows.size(),
-             seen.seen, problem.size());
-  for (const std::string& sentence : seen.unseen) fmt::print("  - {}\n", sentence);
-  if (problem.data().missing()) fmt::print("{} residuals lack a value\n", problem.data().missing());
-  if (html.empty()) return;
-  page_of_check(page, program, recordings, seen, problem.start());
-  put_page(html, page);
+  const Spoken verdict = verdict_of_check(program, rows.size(), problem.data().missing(), seen);
+  page_of_check(page, program, recordings, verdict, seen, problem.start());
+  bar.reset();
+  std::string more;
+  if (!seen.unseen.empty())
+    more += "\nWhat these recordings do not see, at the nominal values\n" + unseen_text(seen);
+  if (!measured.shapes.empty()) more += "\n" + probing_text(program, measured);
+  finish(verdict, more);
+  for (const std::string& warning : measured.warnings) warn(warning);
 }
 
 }  // namespace
@@ -139,6 +170,7 @@ void add_check(CLI::App& app) {
   command->add_option("model", files->first, "model file (.xml or .lua)")->required();
   command->add_option("recordings", files->second, "recordings (.csv or .trc)");
   add_common(*command, *common, true, false);
+  add_quiet(*command, *common);
   auto points = std::make_shared<std::string>();
   add_points(*command, *points);
   auto html = std::make_shared<std::string>();

@@ -21,12 +21,18 @@ struct Common {
   int threads = 0;
   bool quiet = false;
 
+  bool report_wanted() const { return !quiet && json != "-"; }  // on standard output
   Registry registry() const;  // built-in plugins and those named with --plugin
   int thread_count() const;   // as asked, or one per core
 };
 
-// --plugin, --quiet; with `results` also --out, --json, --seed, --threads; with `model` also --set.
+// --plugin, --color; with `model` also --set; with `results` also all that follow, and --out.
 void add_common(CLI::App& command, Common& common, bool model, bool results);
+void add_color(CLI::App& command);
+void add_quiet(CLI::App& command, Common& common);  // where something is printed beside the result
+void add_json(CLI::App& command, Common& common);
+void add_seed(CLI::App& command, Common& common);
+void add_threads(CLI::App& command, Common& common);
 
 // Recordings, with what is probed worked out from its points: those of `points_file`, else of
 // points.csv beside the recordings.

@@ -7,6 +7,7 @@
 
 #include "framework/calibration/split_options.h"
 #include "framework/cli/commands.h"
+#include "framework/cli/terminal.h"
 #include "framework/report/report.h"
 
 namespace talus {
@@ -21,26 +22,59 @@ int Common::thread_count() const {
   return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
+void add_color(CLI::App& command) {
+  command
+      .add_option_function<std::string>(
+          "--color",
+          [](const std::string& when) {
+            colours() = when == "always"  ? Colours::always
+                        : when == "never" ? Colours::never
+                                          : Colours::automatic;
+          },
+          "colours: auto (on a terminal, where NO_COLOR is not set), always, never")
+      ->check(CLI::IsMember({"auto", "always", "never"}))
+      ->type_name("WHEN");
+}
+
+void add_quiet(CLI::App& command, Common& common) {
+  command.add_flag("--quiet", common.quiet,
+                   "no report and no progress bar: only files, warnings and errors");
+}
+
+void add_json(CLI::App& command, Common& common) {
+  command.add_option("--json", common.json, "write the results as JSON (- for standard output)")
+      ->type_name("FILE");
+}
+
+void add_seed(CLI::App& command, Common& common) {
+  command.add_option("--seed", common.seed, "seed of all random choices")->capture_default_str();
+}
+
+void add_threads(CLI::App& command, Common& common) {
+  command
+      .add_option("--threads", common.threads,
+                  "threads (default: one per core); results do not depend on it")
+      ->check(CLI::Range(1, 1024));
+}
+
 void add_common(CLI::App& command, Common& common, bool model, bool results) {
   command.add_option("--plugin", common.plugins, "load a plugin: FILE.so or FILE.lua")
       ->type_name("FILE")
       ->allow_extra_args(false);
-  if (results) command.add_flag("--quiet", common.quiet, "print results only to files");
   if (model)
     command
         .add_option("--set", common.sets,
                     "change one attribute: joint2.a=\"300 ?\", residual=\"position\"")
         ->type_name("NAME=VALUE")
         ->allow_extra_args(false);
-  if (!results) return;
-  command.add_option("--out", common.out, "folder for the files written")->type_name("DIR");
-  command.add_option("--json", common.json, "write the results as JSON (- for standard output)")
-      ->type_name("FILE");
-  command.add_option("--seed", common.seed, "seed of all random choices")->capture_default_str();
-  command
-      .add_option("--threads", common.threads,
-                  "threads (default: one per core); results do not depend on it")
-      ->check(CLI::Range(1, 1024));
+  if (results) {
+    command.add_option("--out", common.out, "folder for the files written")->type_name("DIR");
+    add_json(command, common);
+    add_seed(command, common);
+    add_threads(command, common);
+    add_quiet(command, common);
+  }
+  add_color(command);
 }
 
 static void names_of(const Element& element, std::vector<std::string>& names) {

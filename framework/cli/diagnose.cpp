@@ -1,16 +1,17 @@
 // talus diagnose: what physics is missing, where, how sure; and the model that has it.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
+#include <memory>
 
 #include "framework/calibration/circumstances.h"
 #include "framework/cli/commands.h"
+#include "framework/cli/terminal.h"
 #include "framework/dsl/dsl.h"
 #include "framework/page/contents.h"
 #include "framework/report/diagnosis_report.h"
+#include "framework/report/progress.h"
 
 namespace talus {
 namespace {
@@ -23,29 +24,6 @@ struct Options {
   DiagnosisOptions diagnosis;
   DiagnosisTextOptions text;
   int next_count = 8;
-};
-
-// One line on a terminal's standard error, rewritten: what is being done, how far it is, how long
-// the rest will take.
-class ProgressLine {
- public:
-  void operator()(const std::string& step, double share) {
-    using Clock = std::chrono::steady_clock;
-    if (!isatty(2)) return;
-    const double gone = std::chrono::duration<double>(Clock::now() - start_).count();
-    share_ = std::clamp(share, share_, 1.0);
-    const int width = 30, filled = static_cast<int>(share_ * width);
-    std::string left;
-    if (share_ > 0.05 && gone > 1)
-      left = fmt::format(", about {:.0f} s left", gone * (1 - share_) / share_);
-    fmt::print(stderr, "\r{:<14} [{}{}] {:3.0f} %{}\x1b[K", step, std::string(filled, '#'),
-               std::string(width - filled, ' '), 100 * share_, left);
-    std::fflush(stderr);
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  double share_ = 0;
 };
 
 // The formulas suggested, each as a Lua effect and a model that has it beside it; the models.
@@ -93,7 +71,8 @@ void run(Options& o) {
   o.diagnosis.fit.threads = o.common.thread_count();
   o.diagnosis.fit.seed = o.diagnosis.search.seed = o.common.seed;
   o.diagnosis.search.suspects.only = o.only;
-  if (!o.common.quiet) o.diagnosis.progress = ProgressLine();
+  auto bar = std::make_unique<Progress>(!o.common.quiet, "calibrating");
+  o.diagnosis.progress = bar->teller();
   const Diagnosis d = diagnose(model, registry, recordings, split, o.diagnosis);
   AdviceOptions advice_options;
   advice_options.suspects = o.diagnosis.search.suspects;
@@ -102,7 +81,7 @@ void run(Options& o) {
   advice_options.poses = o.next_count;
   advice_options.progress = o.diagnosis.progress;
   const Advice advice = advise(model, registry, d, advice_options);
-  if (!o.common.quiet && isatty(2)) fmt::print(stderr, "\r\x1b[K");
+  bar.reset();
 
   DiagnosisFiles files;
   std::string& file = files.extended_model;
@@ -141,8 +120,8 @@ void run(Options& o) {
     page_of_diagnosis(page, d, advice, before, after);
     put_page(o.html, page);
   }
-  if (!o.common.quiet && o.common.json != "-")
-    fmt::print("{}", diagnosis_text(d, advice, context, files, o.text));
+  if (o.common.report_wanted()) show(diagnosis_text(d, advice, context, files, o.text));
+  for (const std::string& warning : d.warnings) warn(warning);
   exit_code() = d.baseline.converged ? 0 : 1;
 }
 

@@ -8,10 +8,12 @@
 
 #include "framework/calibration/inverse.h"
 #include "framework/cli/commands.h"
+#include "framework/cli/terminal.h"
 #include "framework/report/draw.h"
 #include "framework/report/draw_canvas.h"
 #include "framework/report/draw_film.h"
 #include "framework/report/draw_video.h"
+#include "framework/report/progress.h"
 #include "framework/report/report.h"
 
 namespace talus {
@@ -58,20 +60,23 @@ Settings coordinates_of(Program& program, const Recordings& recordings, const Op
   const bool sensed =
       std::all_of(program.readings.begin(), program.readings.end(),
                   [&](const Reading& r) { return r.covariate || recordings.find(r.column); });
-  Recovered found = recover(program, recordings, sensed ? Reach::nearest : Reach::exactly,
-                            o.common.thread_count());
+  Recovered found;
+  {
+    const Progress bar(!o.common.quiet, "postures");
+    found = recover(program, recordings, sensed ? Reach::nearest : Reach::exactly,
+                    o.common.thread_count());
+  }
   std::vector<std::string> still;
   for (const Unknown& u : program.unknowns)
     if (u.per.empty() && !recordings.find(u.name) &&
         std::find(found.solved.begin(), found.solved.end(), u.name) == found.solved.end())
       still.push_back(u.name);
-  if (o.common.quiet) return found.settings;
-  if (!found.solved.empty())
-    fmt::print(stderr, "{}: {} found from what was measured.\n", recordings.file,
-               join(found.solved));
+  if (!found.solved.empty() && !o.common.quiet)
+    show(
+        fmt::format("{}: {} found from what was measured.\n", recordings.file, join(found.solved)));
   if (!still.empty())
-    fmt::print(stderr, "{} has no column {}: there the model's start is shown.\n", recordings.file,
-               join(still, " nor "));
+    warn(fmt::format("{} has no column {}: there the model's start is shown.", recordings.file,
+                     join(still, " nor ")));
   return found.settings;
 }
 
@@ -157,8 +162,8 @@ struct Drawer {
   const std::list<Program>& ghosts;
   const Options& o;
 
-  std::vector<Picture> operator()(const Settings& settings,
-                                  const std::vector<std::string>& titles) const {
+  std::vector<Picture> operator()(const Settings& settings, const std::vector<std::string>& titles,
+                                  const std::function<void(double)>& progress = {}) const {
     std::vector<DrawnLinkage> others;
     auto file = o.ghosts.begin();
     for (const Program& ghost : ghosts) {
@@ -170,6 +175,7 @@ struct Drawer {
     }
     DrawOptions options = o.draw;
     options.titles = titles;
+    options.progress = progress;
     return draw({&program, settings}, others, options);
   }
 };
@@ -192,7 +198,7 @@ void write_picture(const Drawer& drawer, const Poses& poses, const std::filesyst
   put(o.picture, o.picture.ends_with(".png")   ? write_png(picture)
                  : o.picture.ends_with(".pdf") ? write_pdf(picture, title)
                                                : write_svg(picture, title));
-  if (!o.common.quiet) fmt::print("Picture: {}\n", o.picture);
+  if (!o.common.quiet) show(fmt::format("Picture: {}\n", o.picture));
 }
 
 void write_animation(const Drawer& drawer, const Poses& poses) {
@@ -208,18 +214,24 @@ void write_animation(const Drawer& drawer, const Poses& poses) {
     if (i % (static_cast<std::size_t>(o.between) + 1))
       film.titles.back() += fmt::format(" to {}", poses.numbers[k + 1]);
   }
-  film.pictures = drawer(settings, film.titles);
+  auto bar = std::make_unique<Progress>(!o.common.quiet, "drawing");
+  const bool video = !o.animation.ends_with(".html") && !o.animation.ends_with(".svg");
+  film.pictures = drawer(settings, film.titles,
+                         [&](double share) { (*bar)("drawing", video ? 0.5 * share : share); });
   if (o.animation.ends_with(".html")) {
     put(o.animation, write_film_html(film));
   } else if (o.animation.ends_with(".svg")) {
     put(o.animation, write_film_svg(film));
-  } else if (!write_video(o.animation, film.pictures, film.rate)) {
-    fmt::print(stderr, "{}: ffmpeg could not write it\n", o.animation);
+  } else if (!write_video(o.animation, film.pictures, film.rate,
+                          [&](double share) { (*bar)("encoding", 0.5 + 0.5 * share); })) {
+    bar.reset();
+    complain(o.animation, "ffmpeg could not write it");
     exit_code() = 1;
     return;
   }
+  bar.reset();
   if (!o.common.quiet)
-    fmt::print("Animation: {} ({} pictures)\n", o.animation, film.pictures.size());
+    show(fmt::format("Animation: {} ({} pictures)\n", o.animation, film.pictures.size()));
 }
 
 void run(Options& o) {
@@ -236,11 +248,9 @@ void run(Options& o) {
   if (!own_name) check_writable(o.picture);
   check_writable(o.animation);
   if (!ending.empty() && ending != ".html" && ending != ".svg" && !ffmpeg_found()) {
-    fmt::print(
-        stderr,
-        "{}: the program ffmpeg makes {} files, and it is not installed; .html and .svg need "
-        "nothing\n",
-        o.animation, ending);
+    complain(o.animation, fmt::format("the program ffmpeg makes {} files, and it is not installed; "
+                                      ".html and .svg need nothing",
+                                      ending));
     exit_code() = 1;
     return;
   }
@@ -292,9 +302,9 @@ void add_draw(CLI::App& app) {
   option("--size", o->size, "WxH", "pixels")->capture_default_str();
   add_common(*command, o->common, true, false);
   command->add_option("--out", o->common.out, "folder for MODEL.svg")->type_name("DIR");
-  command->add_option("--seed", o->common.seed, "seed of --poses N")->capture_default_str();
-  command->add_option("--threads", o->common.threads, "threads")->check(CLI::Range(1, 1024));
-  command->add_flag("--quiet", o->common.quiet, "print nothing");
+  add_seed(*command, o->common);
+  add_threads(*command, o->common);
+  add_quiet(*command, o->common);
   command->callback([o] { run(*o); });
 }
 

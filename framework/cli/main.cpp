@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "framework/cli/commands.h"
+#include "framework/cli/terminal.h"
 
 int& talus::exit_code() {
   static int code = 0;
@@ -51,13 +52,16 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
     return talus::exit_code();
   } catch (const CLI::ParseError& e) {
-    const int code = app.exit(e);
-    return code == 0 ? 0 : 2;
+    if (e.get_exit_code() == 0) return app.exit(e);  // --help, --version
+    std::string command = "talus";
+    for (const CLI::App* chosen : app.get_subcommands()) command += " " + chosen->get_name();
+    talus::complain(command, fmt::format("{}\n  {} --help tells more", e.what(), command));
+    return 2;
   } catch (const talus::InputError& e) {
-    fmt::print(stderr, "{}\n", e.what());
+    talus::complain(e);
     return 2;
   } catch (const std::exception& e) {
-    fmt::print(stderr, "talus: {}\n", e.what());
+    talus::complain("talus", e.what());
     return 2;
   }
 }

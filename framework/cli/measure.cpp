@@ -1,9 +1,13 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "framework/cli/commands.h"
-#include "framework/report/report.h"
+#include "framework/cli/terminal.h"
+#include "framework/report/layout.h"
+#include "framework/report/progress.h"
+#include "framework/report/verdict.h"
 
 namespace talus {
 namespace {
@@ -13,6 +17,26 @@ struct Options {
   std::string model, recordings, points, table;
 };
 
+std::string report(const Program& program, const Measured& measured) {
+  if (measured.shapes.empty())
+    return "The recordings have the measured columns already; no points were read.\n";
+  const auto worst = std::max_element(measured.shapes.begin(), measured.shapes.end(),
+                                      [](auto& a, auto& b) { return a.worst < b.worst; });
+  std::size_t points = 0, poses = 0;
+  for (const ShapeQuality& s : measured.shapes)
+    points += s.points, poses = std::max(poses, s.poses);
+  const Unit unit = program.units.length;
+  return text_of({"MEASURED",
+                  fmt::format("{} in {}, from {}",
+                              counted(measured.shapes.size(), "probed shape", "probed shapes"),
+                              counted(poses, "pose", "poses"), counted(points, "point", "points")),
+                  {fmt::format("The points lie farthest from their shape at {} in pose {:g}: {} {} "
+                               "(root mean square).",
+                               worst->name, worst->worst_pose, figure(worst->worst / unit.factor),
+                               unit.text)}}) +
+         "\n" + probing_text(program, measured);
+}
+
 void run(const Options& o) {
   check_writable(o.table);
   check_apart(o.table, {o.recordings, o.points, o.model});
@@ -21,9 +45,13 @@ void run(const Options& o) {
   if (!is_probed(program))
     throw InputError({o.model, 0, 0}, "nothing in this model is probed",
                      "a feature with probed=\"...\"");
-  const Measured measured = open_recordings(program, o.recordings, o.points);
-  if (o.table != "-") fmt::print("{}", probing_text(program, measured));
-  for (const std::string& warning : measured.warnings) fmt::print(stderr, "Warning: {}\n", warning);
+  Measured measured;
+  {
+    const Progress bar(!o.common.quiet, "measuring");
+    measured = open_recordings(program, o.recordings, o.points);
+  }
+  if (!o.common.quiet && o.table != "-") show(report(program, measured));
+  for (const std::string& warning : measured.warnings) warn(warning);
   if (!o.table.empty())
     put(o.table,
         fmt::format("# measured by {} from probed points, talus {}\n", o.model, TALUS_VERSION) +
@@ -44,6 +72,7 @@ void add_measure(CLI::App& app) {
                    "file for the recordings with the measured columns (- for standard output)")
       ->type_name("FILE");
   add_common(*command, o->common, true, false);
+  add_quiet(*command, o->common);
   command->callback([o] { run(*o); });
 }
 

@@ -6,6 +6,7 @@
 
 #include "framework/calibration/inverse.h"
 #include "framework/cli/commands.h"
+#include "framework/report/progress.h"
 
 namespace talus {
 namespace {
@@ -41,6 +42,7 @@ void run(const Options& o) {
   const MotionOptions options = motion_options(o, program);
   std::string head = fmt::format("# motion of {} by talus {}\n", o.model, TALUS_VERSION);
   Recordings table;
+  auto bar = std::make_unique<Progress>(!o.common.quiet, "motion");
   if (auto drawn = drawn_settings(program, o.recordings.empty() ? o.poses : o.recordings, o.grid,
                                   o.common.seed)) {
     table = motion_table(program, *drawn, options);
@@ -54,6 +56,7 @@ void run(const Options& o) {
           from.file, join(found.solved), found.misfit);
     table = motion_table(program, found.settings, options, &from);
   }
+  bar.reset();
   put(o.file, head + write_recordings(table));
 }
 
@@ -89,9 +92,9 @@ void add_motion(CLI::App& app) {
   command->add_option("--table", o->file, "file to write (- for standard output)")
       ->capture_default_str();
   add_common(*command, o->common, true, false);
-  command->add_option("--seed", o->common.seed, "seed of all random choices")
-      ->capture_default_str();
-  command->add_option("--threads", o->common.threads, "threads")->check(CLI::Range(1, 1024));
+  add_seed(*command, o->common);
+  add_quiet(*command, o->common);
+  add_threads(*command, o->common);
   command->callback([o] { run(*o); });
 }
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "framework/cli/commands.h"
+#include "framework/cli/terminal.h"
 #include "framework/dsl/text.h"
 #include "framework/report/report.h"
 
@@ -17,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
+  Common common;
   std::string model, recordings, out;
 };
 
@@ -78,7 +80,7 @@ void run(const Options& o) {
     page.replace(at + place.size(), 4, json);
   }
   put(file, page);
-  if (file != "-") fmt::print("Teaching page: {}\n", file);
+  if (file != "-" && !o.common.quiet) show(fmt::format("Teaching page: {}\n", file));
 }
 
 }  // namespace
@@ -91,6 +93,8 @@ void add_play(CLI::App& app) {
   command->add_option("recordings", o->recordings, "recordings (.csv or .trc) to begin with");
   command->add_option("--out", o->out, "page to write (default: MODEL-play.html, here)")
       ->type_name("FILE.html");
+  add_quiet(*command, o->common);
+  add_color(*command);
   command->callback([o] { run(*o); });
 }
 

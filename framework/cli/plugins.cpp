@@ -3,6 +3,8 @@
 #include <memory>
 
 #include "framework/cli/commands.h"
+#include "framework/cli/terminal.h"
+#include "framework/report/layout.h"
 #include "framework/report/plugin_json.h"
 
 namespace talus {
@@ -32,6 +34,7 @@ std::string describe_plugin(const Plugin& plugin) {
   if (d.family == Family::sensor)
     out += fmt::format("  reading in {}, value in {}\n", units.of(d.reading).text,
                        units.of(d.value).text);
+  Table inputs({"<input", "<unit", "<default", "<meaning"});
   for (const Input& i : d.inputs) {
     if (i.role == Role::borrowed) continue;
     if (d.effect.unknown && i.role == Role::amount && &i != &d.inputs[0] &&
@@ -41,14 +44,13 @@ std::string describe_plugin(const Plugin& plugin) {
         i.coordinate ? "coordinate"
         : i.required ? "required"
                      : fmt::format("{:.12g}", i.otherwise / units.of(i.dimension).factor);
-    out +=
-        fmt::format("  {:<12} {:<10} {:<10} {}", i.name, unit_text(i, units), otherwise, i.meaning);
+    std::string meaning = i.meaning;
     if (i.role == Role::amount && !i.relative)
-      out += fmt::format("; usual size {:.3g}", i.typical / units.of(i.dimension).factor);
-    out += "\n";
+      meaning += fmt::format("; usual size {:.3g}", i.typical / units.of(i.dimension).factor);
+    inputs.row({i.name, unit_text(i, units), otherwise, meaning});
   }
-  for (const Choice& c : d.choices)
-    out += fmt::format("  {:<12} {:<21} {}\n", c.name, join(c.words, "|"), c.meaning);
+  for (const Choice& c : d.choices) inputs.row({c.name, "", join(c.words, "|"), c.meaning});
+  if (!inputs.empty()) out += inputs.text();
   if (!d.columns.empty()) {
     std::string list;
     for (const Column& c : d.columns)
@@ -79,17 +81,20 @@ void run(const std::string& name, const Common& common) {
   if (!name.empty()) std::erase_if(all, [&](auto* p) { return p->declaration.tag != name; });
   if (!all.empty() && !common.json.empty()) return write_json(all, common.json);
   bool any = false;
+  std::string list;
   Family last{};
   for (const Plugin* plugin : registry.all()) {
     const Declaration& d = plugin->declaration;
     if (!name.empty()) {
-      if (d.tag == name) fmt::print("{}", describe_plugin(*plugin)), any = true;
+      if (d.tag == name) show(describe_plugin(*plugin)), any = true;
       continue;
     }
-    if (!any || d.family != last) fmt::print("{}{}s\n", any ? "\n" : "", to_string(d.family));
+    if (!any || d.family != last)
+      list += fmt::format("{}{}s\n", any ? "\n" : "", to_string(d.family));
     any = true, last = d.family;
-    fmt::print("  {:<26} {}\n", d.tag, d.summary);
+    list += wrapped(d.summary, fmt::format("  {:<26} ", d.tag), std::string(29, ' '));
   }
+  show(list);
   if (any) return;
   std::vector<std::string> tags;
   for (const Plugin* plugin : registry.all()) tags.push_back(plugin->declaration.tag);
@@ -106,8 +111,7 @@ void add_plugins(CLI::App& app) {
   auto name = std::make_shared<std::string>();
   command->add_option("name", *name, "a tag, to see its inputs");
   add_common(*command, *common, false, false);
-  command->add_option("--json", common->json, "write it as JSON (- for standard output)")
-      ->type_name("FILE");
+  add_json(*command, *common);
   command->callback([=] { run(*name, *common); });
 }
 

@@ -7,7 +7,9 @@
 #include "framework/calibration/closing.h"
 #include "framework/calibration/simulate.h"
 #include "framework/cli/commands.h"
+#include "framework/cli/terminal.h"
 #include "framework/page/contents.h"
+#include "framework/report/progress.h"
 
 namespace talus {
 namespace {
@@ -31,7 +33,8 @@ bool is_named(const std::string& grid, const std::string& name) {
 }
 
 // Settings in which the loops are closed: drawn, or with what the grid or the table says.
-Settings closed_settings(Program& program, const std::optional<Settings>& drawn, const Options& o) {
+Settings closed_settings(Program& program, const std::optional<Settings>& drawn, const Options& o,
+                         std::vector<std::string>& warnings) {
   ClosingOptions options;
   options.noise = o.noise, options.seed = o.common.seed, options.threads = o.common.thread_count();
   const std::vector<Coordinate> list = coordinates(program);
@@ -40,8 +43,8 @@ Settings closed_settings(Program& program, const std::optional<Settings>& drawn,
     const int count = static_cast<int>(drawn->poses.size());
     Settings settings = random_closed_settings(program, count, options);
     if (const int found = static_cast<int>(settings.poses.size()); found < count)
-      fmt::print(stderr, "Warning: only {} of {} postures were found that close the loops.\n",
-                 found, count);
+      warnings.push_back(
+          fmt::format("Only {} of {} postures were found that close the loops.", found, count));
     return settings;
   }
   options.attempts = 40;
@@ -64,8 +67,8 @@ Settings closed_settings(Program& program, const std::optional<Settings>& drawn,
   }
   Closed closed = close_loops(program, std::move(settings), options);
   if (const auto open = std::count(closed.reached.begin(), closed.reached.end(), false))
-    fmt::print(stderr, "Warning: in {} of {} postures the loops cannot be closed.\n", open,
-               closed.reached.size());
+    warnings.push_back(fmt::format("In {} of {} postures the loops cannot be closed.", open,
+                                   closed.reached.size()));
   return std::move(closed.settings);
 }
 
@@ -80,9 +83,11 @@ void run(const Options& o) {
   Registry registry = o.common.registry();
   const Model model = open_model(o.model, registry, o.common);
   Program program = compile(model, registry);
+  std::vector<std::string> warnings;
+  auto bar = std::make_unique<Progress>(!o.common.quiet, "simulating");
   std::optional<Settings> settings = drawn_settings(program, o.poses, o.grid, o.common.seed);
   if (has_loops(program)) {
-    settings = closed_settings(program, settings, o);
+    settings = closed_settings(program, settings, o, warnings);
   } else if (!settings) {
     const Recordings table = read_recordings(o.poses);
     settings =
@@ -111,14 +116,16 @@ void run(const Options& o) {
           });
     for (const ProbedShape& s : program.shapes)
       if (o.noise > 0 && !s.sigma && s.through.empty())
-        fmt::print(stderr, "Warning: '{}' states no sigma; its points are without noise.\n",
-                   s.name);
+        warnings.push_back(
+            fmt::format("'{}' states no sigma; its points are without noise.", s.name));
     points =
         origin + write_points(simulate_points(program, settings->poses, o.common.seed, o.noise));
   }
   const std::string table = origin + write_recordings(recordings);
+  bar.reset();
   if (!o.points.empty()) put(o.points, points);
   put(o.file, table);
+  for (const std::string& warning : warnings) warn(warning);
 }
 
 }  // namespace
@@ -144,9 +151,9 @@ void add_simulate(CLI::App& app) {
       ->type_name("FILE");
   add_html(*command, o->html);
   add_common(*command, o->common, true, false);
-  command->add_option("--seed", o->common.seed, "seed of all random choices")
-      ->capture_default_str();
-  command->add_option("--threads", o->common.threads, "threads")->check(CLI::Range(1, 1024));
+  add_seed(*command, o->common);
+  add_quiet(*command, o->common);
+  add_threads(*command, o->common);
   command->callback([o] { run(*o); });
 }
 

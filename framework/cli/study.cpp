@@ -9,6 +9,8 @@
 
 #include "framework/cli/axes_words.h"
 #include "framework/cli/study_words.h"
+#include "framework/cli/terminal.h"
+#include "framework/report/layout.h"
 #include "framework/report/progress.h"
 #include "framework/report/resumable_table.h"
 
@@ -40,19 +42,23 @@ std::string contents(const Model& model) {
 }
 
 // What people look at first; everything else stands in the table.
-std::string summary_line(const std::string& design, double noise, const StudyRow& row,
-                         const UnitSystem& units, std::size_t poses) {
-  std::string out = fmt::format("  {:<32} {:>8.4g}", design, noise / units.angle.factor);
-  if (row.unreachable > 0)
-    return out + fmt::format("   {} of {} poses cannot be reached\n", row.unreachable, poses);
+std::vector<std::string> summary_row(const std::string& design, double noise, const StudyRow& row,
+                                     const UnitSystem& units, std::size_t poses) {
+  std::vector<std::string> cells{design.empty() ? "as it is" : design,
+                                 fmt::format("{:.4g}", noise / units.angle.factor)};
+  if (row.unreachable > 0) {
+    const std::string why = fmt::format("{} of {} poses cannot be reached", row.unreachable, poses);
+    cells.insert(cells.end(), {"-", "-", why});
+    return cells;
+  }
   double position = 0, lean = 0;
   for (std::size_t i = 0; i < row.rmse.size(); ++i)
     (i % 4 < 2 ? position : lean) = std::max(i % 4 < 2 ? position : lean, row.rmse[i]);
-  out += fmt::format(" {:>12.4g} {:>12.4g}", position / units.length.factor,
-                     lean / units.angle.factor);
+  cells.push_back(figure(position / units.length.factor));
+  cells.push_back(figure(lean / units.angle.factor));
   if (row.outside > 0)
-    out += fmt::format("   {} of {} poses outside a sensor's range", row.outside, poses);
-  return out + "\n";
+    cells.push_back(fmt::format("{} of {} poses outside a sensor's range", row.outside, poses));
+  return cells;
 }
 
 std::string cell(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : ""; }
@@ -135,14 +141,11 @@ void run(const Options& o) {
     LinkagePoses(program, motion.finder().feature());
   }
 
-  auto bar = std::make_unique<Progress>("study");
+  auto bar = std::make_unique<Progress>(!o.common.quiet, "study");
   StudyOptions options{o.trials, o.common.thread_count(), o.common.seed, {}};
   std::size_t row = before;
-  std::string summary = fmt::format(
-      "Largest root mean square error of any position and any orientation\n  {:<32} "
-      "{:>8} {:>12} {:>12}\n",
-      "design", "noise " + units.angle.text, units.length.text, units.angle.text);
-  if (before > 0) summary += fmt::format("  {} rows were there already\n", before);
+  Table summary({"<design", ".noise, " + units.angle.text, ".position, " + units.length.text,
+                 ".orientation, " + units.angle.text, "<"});
   while (row < all) {
     const std::size_t d = row / noises.size();
     const std::vector<std::string> sets = sets_of(d);
@@ -150,7 +153,8 @@ void run(const Options& o) {
     const StudiedDesign design(program, motion, options.threads);
     for (; row < (d + 1) * noises.size(); ++row) {
       options.progress = [&](double share) {
-        (*bar)((static_cast<double>(row) + share) / static_cast<double>(all));
+        (*bar)(fmt::format("design {}", d + 1),
+               (static_cast<double>(row) + share) / static_cast<double>(all));
       };
       const double noise = noises[row % noises.size()];
       const StudyRow result = design.run(noise, d, options);
@@ -162,13 +166,21 @@ void run(const Options& o) {
         text += fmt::format(",{},{}", cell(result.rmse[i] / unit[i].factor),
                             cell(result.error[i] / unit[i].factor));
       table.add(text);
-      summary += summary_line(join(sets, " "), noise, result, units, motion.poses().rows());
+      summary.row(summary_row(join(sets, " "), noise, result, units, motion.poses().rows()));
     }
   }
   bar.reset();
-  if (!o.common.quiet)
-    fmt::print("{}",
-               o.table.empty() ? table.text() : summary + fmt::format("Table: {}\n", o.table));
+  if (o.table.empty()) {
+    put("-", table.text());
+  } else if (!o.common.quiet) {
+    show(fmt::format("{} of {} designs with {} of noise: {}{}\n", counted(all, "row", "rows"),
+                     designs.size(), counted(noises.size(), "size", "sizes"), o.table,
+                     before > 0 ? fmt::format(" ({} were there already)", before) : "") +
+         (summary.empty()
+              ? ""
+              : "\nLargest root mean square error of any position and any orientation\n" +
+                    summary.text()));
+  }
 }
 
 }  // namespace
@@ -200,13 +212,9 @@ void add_study(CLI::App& app) {
       ->type_name("FILE");
   add_axes_words(*command, o->words);
   add_common(*command, o->common, true, false);
-  command->add_flag("--quiet", o->common.quiet, "print results only to files");
-  command->add_option("--seed", o->common.seed, "seed of all random choices")
-      ->capture_default_str();
-  command
-      ->add_option("--threads", o->common.threads,
-                   "threads (default: one per core); results do not depend on it")
-      ->check(CLI::Range(1, 1024));
+  add_quiet(*command, o->common);
+  add_seed(*command, o->common);
+  add_threads(*command, o->common);
   command->callback([o] { run(*o); });
 }
 

@@ -81,7 +81,7 @@ void conclude(Diagnosis& d) {
       join(found, " and ") + fmt::format("; rows held out: {:.3g} sigmas instead of {:.3g}.",
                                          d.after.heldout_rms, fit_before(d).heldout_rms);
   if (d.withdrawn) d.statement = join(found, " and ") + ". " + kWithdrawn;
-  if (!words.empty()) d.statement += " " + join(words, " ");
+  for (const std::string& word : words) d.statement += ' ' + word;
 }
 
 }  // namespace talus

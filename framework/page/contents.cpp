@@ -1,28 +1,18 @@
 #include "framework/page/contents.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "framework/page/page_state.h"
 #include "framework/report/diagnosis_report.h"
+#include "framework/report/layout.h"
 
 namespace talus {
 namespace {
 
-std::string poses_text(std::size_t n) { return fmt::format("{} {}", n, n == 1 ? "pose" : "poses"); }
-
-// "E.x 0.0051 mm, E.y 0.0048 mm": root mean squares.
-std::string errors_text(const std::vector<Measure>& measures, const UnitSystem& units) {
-  std::vector<std::string> words;
-  for (const Measure& m : measures)
-    if (std::isfinite(m.rmse) && words.size() < 9) {
-      const Unit unit = units.of(m.dimension);
-      words.push_back(fmt::format("{} {:.3g}{}", m.name, m.rmse / unit.factor,
-                                  unit.text == "1" ? "" : " " + unit.text));
-    }
-  return join(words);
+void tell(PageContent& content, const Spoken& verdict) {
+  content.headline = verdict.headline;
+  content.sentences = verdict.sentences;
 }
 
 std::vector<PageDirection> directions(const Identifiability& seen, const Program& program,
@@ -41,16 +31,6 @@ std::vector<PageDirection> directions(const Identifiability& seen, const Program
   return out;
 }
 
-void tell_seen(PageContent& content, const Identifiability& seen) {
-  if (seen.unseen.empty())
-    content.sentences.push_back("Every direction in the space of the free parameters is seen.");
-  else
-    content.sentences.push_back(fmt::format(
-        "{} of {} directions in the space of the free parameters are seen; the others keep their "
-        "tolerance and can be played as motion below.",
-        seen.seen, static_cast<std::size_t>(seen.seen) + seen.unseen.size()));
-}
-
 std::vector<char> use_of(std::size_t rows, const Split& split) {
   std::vector<char> use(rows, '-');
   for (const std::size_t k : split.fit) use[k] = 'f';
@@ -62,31 +42,24 @@ std::vector<char> use_of(std::size_t rows, const Split& split) {
 
 void page_of_model(PageContent& content, const Program& program) {
   content.title = program.name;
-  content.headline =
-      fmt::format("A linkage of {} joint{} and {} free parameter{}", program.frames.size() - 1,
-                  program.frames.size() == 2 ? "" : "s", program.parameters.size(),
-                  program.parameters.size() == 1 ? "" : "s");
-  content.sentences.push_back("The model is sound: every name, unit and frame was found.");
+  tell(content, verdict_of_model(program));
   content.states.push_back({"nominal", &program, {}});
 }
 
 void page_of_check(PageContent& content, const Program& program, const Recordings& recordings,
-                   const Identifiability& seen, std::span<const double> x) {
+                   const Spoken& verdict, const Identifiability& seen, std::span<const double> x) {
   page_of_model(content, program);
+  tell(content, verdict);
   content.states[0] = given_state("nominal", program, recordings, 1);
   content.states[0].parameters.assign(x.begin(), x.end());
   content.recordings = &recordings;
-  content.sentences.push_back(
-      fmt::format("{} of recordings fit it; residuals are those at the nominal values.",
-                  poses_text(recordings.rows())));
-  tell_seen(content, seen);
   content.directions = directions(seen, program, 0);
 }
 
 void page_of_simulation(PageContent& content, const Program& program, const Settings& settings,
                         const Recordings& recordings) {
   content.title = program.name;
-  content.headline = fmt::format("{} simulated", poses_text(settings.poses.size()));
+  content.headline = counted(settings.poses.size(), "pose", "poses") + " simulated";
   content.sentences.push_back(
       "Recordings made from the model, with noise of its stated sigmas and the effects it has.");
   PageState state{"simulated", &program, {}};
@@ -99,28 +72,8 @@ void page_of_simulation(PageContent& content, const Program& program, const Sett
 void page_of_fit(PageContent& content, const Program& program, const Recordings& recordings,
                  const Split& split, const Fit& fit) {
   content.title = program.name;
-  if (!fit.converged)
-    content.headline = "The fit did not converge";
-  else if (!fit.noise_known)
-    content.headline = "Fitted; whether what is left is noise cannot be told without stated sigmas";
-  else if (fit.chi2_p < 0.001)
-    content.headline = "Fitted, but more is left than the stated noise explains";
-  else
-    content.headline = "The stated noise explains what the fit leaves";
-  if (fit.poses_check > 0)
-    content.sentences.push_back(fmt::format(
-        "On {} held out the residuals are {:.3g} {} (root mean square; {} fitted: {:.3g}): {}.",
-        poses_text(fit.poses_check), fit.heldout_rms,
-        fit.noise_known ? "stated sigmas" : "times the noise that the fit leaves",
-        poses_text(fit.poses_fit), fit.fit_rms, errors_text(fit.measures_check, program.units)));
-  else
-    content.sentences.push_back(fmt::format(
-        "No rows were held out. On the {} fitted the residuals are {:.3g} (root mean square): {}.",
-        poses_text(fit.poses_fit), fit.fit_rms, errors_text(fit.measures_fit, program.units)));
-  tell_seen(content, fit.seen);
+  tell(content, verdict_of_fit(program, fit));
   content.sentences.insert(content.sentences.end(), fit.warnings.begin(), fit.warnings.end());
-  if (fit.noise_known && fit.chi2_p < 0.001)
-    content.sentences.emplace_back("talus diagnose asks what physics the model leaves out.");
   content.states.push_back(given_state("nominal", program, recordings, 1));
   content.states.push_back(fitted_state("calibrated", program, recordings, fit));
   content.recordings = &recordings;
@@ -165,16 +118,10 @@ void page_of_axes(PageContent& content, const AxisFinder& finder, const AxesResu
                   const std::vector<std::string>& names) {
   const Program& program = finder.program();
   content.title = program.name;
-  std::size_t determined = 0;
-  for (const LocatedAxis& a : result.whole.located[0].axes) determined += a.determined;
-  content.headline =
-      fmt::format("{} of {} axes were located", determined, result.whole.located[0].axes.size());
+  tell(content, verdict_of_axes(result, names));
   for (std::size_t r = 0; r < result.whole.located.size(); ++r) {
-    const Fit& fit = result.whole.located[r].fit;
-    content.sentences.push_back(fmt::format(
-        "{}: {}, {:.3g} {} (root mean square).", names[r], poses_text(fit.poses_fit), fit.fit_rms,
-        fit.noise_known ? "stated sigmas" : "times the noise that the fit leaves"));
-    content.states.push_back(fitted_state(names[r], program, recordings[r], fit));
+    content.states.push_back(
+        fitted_state(names[r], program, recordings[r], result.whole.located[r].fit));
     content.states.back().apart = r > 0;
   }
   std::rotate(content.states.begin(), content.states.begin() + 1, content.states.end());

@@ -8,6 +8,7 @@
 #include "framework/page/page.h"
 #include "framework/report/axes.h"
 #include "framework/report/report.h"
+#include "framework/report/verdict.h"
 
 namespace talus {
 
@@ -15,7 +16,7 @@ namespace talus {
 // the content is used.
 void page_of_model(PageContent& content, const Program& program);
 void page_of_check(PageContent& content, const Program& program, const Recordings& recordings,
-                   const Identifiability& seen, std::span<const double> x);
+                   const Spoken& verdict, const Identifiability& seen, std::span<const double> x);
 void page_of_simulation(PageContent& content, const Program& program, const Settings& settings,
                         const Recordings& recordings);
 void page_of_fit(PageContent& content, const Program& program, const Recordings& recordings,

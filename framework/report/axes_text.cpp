@@ -4,15 +4,11 @@
 #include <cmath>
 
 #include "framework/report/axes.h"
+#include "framework/report/layout.h"
+#include "framework/report/verdict.h"
 
 namespace talus {
 namespace {
-
-// Decimals that show the uncertainty with two digits.
-int decimals_for(double std) {
-  if (!(std > 0) || !std::isfinite(std)) return 4;
-  return std::clamp(1 - static_cast<int>(std::floor(std::log10(std))), 0, 7);
-}
 
 std::string with_std(double value, double std, const Unit& unit) {
   const int d = decimals_for(std / unit.factor);
@@ -26,7 +22,9 @@ class Text {
 
   std::string whole() {
     const Located& reference = result_.whole.located[0];
-    out_ = fmt::format("{}\n  model {}{}\n", finder_.program().name, context_.model_file,
+    const std::string& name = finder_.program().name;
+    out_ = text_of(verdict_of_axes(result_, context_.recordings_files)) +
+           fmt::format("\n{}\n  model {}{}\n", name.empty() ? "Model" : name, context_.model_file,
                        context_.linkage_file.empty() ? "" : ", linkage " + context_.linkage_file);
     fits(result_.whole);
     out_ += fmt::format("\nAxes in the reference, {}\n", context_.recordings_files[0]);
@@ -46,18 +44,17 @@ class Text {
   Unit unit(std::size_t variable) const { return variable < 2 ? units_.length : units_.angle; }
 
   void fits(const ArcAxes& of) {
+    const bool known = of.located[0].fit.noise_known;
+    Table table({"<recordings", ">poses",
+                 known ? ".times the stated noise" : ".residuals (weighted)",
+                 "<uncertainties from"});
     for (std::size_t r = 0; r < of.located.size(); ++r) {
       const Located& l = of.located[r];
-      out_ +=
-          fmt::format("  recordings {}: {} poses, residuals {:.3g} {}; uncertainties from {}\n",
-                      context_.recordings_files[r], l.fit.poses_fit,
-                      l.fit.noise_known ? l.fit.fit_rms / l.fit.expected_rms : l.fit.noise_scale,
-                      l.fit.noise_known ? "times the stated noise" : "(weighted; noise not stated)",
-                      l.observed ? "the residuals' spread from pose to pose" : "the stated noise");
-      for (const std::string& w : l.fit.warnings)
-        if (w.starts_with("The solver") || w.starts_with("Another set"))
-          out_ += fmt::format("    {}\n", w);
+      table.row({context_.recordings_files[r], std::to_string(l.fit.poses_fit),
+                 fmt::format("{:.3g}", l.fit.noise_scale),
+                 l.observed ? "the residuals' spread" : "the stated noise"});
     }
+    out_ += table.text();
   }
 
   void axis(const Located& l, std::size_t k) {
@@ -79,11 +76,15 @@ class Text {
         p[1], p[2], units_.length.text, u[0], u[1], u[2], body);
     const auto names = context_.labels.of(view.main);
     out_ +=
-        fmt::format("    in {}, main direction {}:", view.name, context_.labels.along[view.main]);
-    for (std::size_t v = 0; v < 4; ++v)
-      out_ += fmt::format("{} {} {} {}", v ? "," : "", names[v],
-                          with_std(a.value[v], a.std[v], unit(v)), unit(v).text);
-    out_ += "\n";
+        fmt::format("    in {}, main direction {}\n", view.name, context_.labels.along[view.main]);
+    Table table({"<where", ".value", ".std", "<unit"});
+    for (std::size_t v = 0; v < 4; ++v) {
+      const int d = decimals_for(a.std[v] / unit(v).factor);
+      table.row({names[v], fixed(a.value[v] / unit(v).factor, d),
+                 "± " + fixed(a.std[v] / unit(v).factor, d), unit(v).text});
+    }
+    const std::string rows = table.text(6);
+    out_ += rows.substr(rows.find('\n') + 1);
   }
 
   void between(const Located& l) {
@@ -108,27 +109,27 @@ class Text {
 
   void changes(const ArcAxes& of) {
     out_ += fmt::format("\nChanges from the reference, {}\n", title(of));
-    std::size_t width = 10;
-    for (const std::string& file : context_.recordings_files) width = std::max(width, file.size());
     for (std::size_t k = 0; k < finder_.hinges().size(); ++k) {
-      out_ += fmt::format("  {:<{}}", finder_.hinges()[k].name, width);
       const auto names = context_.labels.of(result_.views[k].main);
+      std::vector<std::string> headings{"<" + finder_.hinges()[k].name};
       for (std::size_t v = 0; v < 4; ++v)
-        out_ += fmt::format(" {:>19}", fmt::format("{} {}", names[v], unit(v).text));
-      out_ += "\n";
+        headings.push_back("." + fmt::format("{} {}", names[v], unit(v).text));
+      Table table(headings);
+      std::string without;
       for (std::size_t r = 0; r < of.changes.size(); ++r) {
         const AxisChange& c = of.changes[r][k];
-        out_ += fmt::format("    {:<{}}", context_.recordings_files[r + 1], width - 2);
         if (!c.determined) {
           const LocatedAxis& here = of.located[r + 1].axes[k];
-          out_ += " " + (here.determined ? of.located[0].axes[k].why : here.why) + "\n";
+          without += wrapped((here.determined ? of.located[0].axes[k].why : here.why),
+                             "  " + context_.recordings_files[r + 1] + ": ", "    ");
           continue;
         }
-        // The sign of plus-minus is two bytes and one column wide.
+        std::vector<std::string> cells{context_.recordings_files[r + 1]};
         for (std::size_t v = 0; v < 4; ++v)
-          out_ += fmt::format(" {:>20}", with_std(c.value[v], c.std[v], unit(v)));
-        out_ += "\n";
+          cells.push_back(with_std(c.value[v], c.std[v], unit(v)));
+        table.row(cells);
       }
+      out_ += table.text() + without;
     }
   }
 
@@ -136,25 +137,24 @@ class Text {
     if (result_.worst.empty()) return;
     out_ +=
         fmt::format("\nErrors of the changes, measured minus actual ({})\n", context_.actual_file);
-    auto table = [&](const ArcAxes& of) {
-      out_ += fmt::format("  {}\n", title(of));
-      for (const ChangeErrors& e : of.errors) row(e, "");
+    Table table({"<of", "<variable", ">n", ".bias", ".precision", ".RMSE", "<unit"});
+    auto row = [&](const ChangeErrors& e, const std::string& of) {
+      const Unit u = unit(e.variable);
+      table.row({of, variable_name(finder_, result_, context_.labels, e.axis, e.variable),
+                 std::to_string(e.count), fixed(e.bias / u.factor, 3),
+                 fixed(e.precision / u.factor, 3), fixed(e.rmse / u.factor, 3), u.text});
     };
-    table(result_.whole);
-    for (const ArcAxes& arc : result_.arcs) table(arc);
+    auto rows = [&](const ArcAxes& of) {
+      for (const ChangeErrors& e : of.errors) row(e, title(of));
+    };
+    rows(result_.whole);
+    for (const ArcAxes& arc : result_.arcs) rows(arc);
+    out_ += table.text();
     if (result_.arcs.empty()) return;
-    out_ += "  worst arc of each\n";
-    for (const auto& [arc, e] : result_.worst) row(e, result_.arcs[arc].arc->name);
-  }
-
-  void row(const ChangeErrors& e, const std::string& arc) {
-    const Unit u = unit(e.variable);
-    out_ +=
-        fmt::format("    {:<20} {:>3}  bias {:>8.3f}  precision {:>8.3f}  RMSE {:>8.3f} {} {}",
-                    variable_name(finder_, result_, context_.labels, e.axis, e.variable), e.count,
-                    e.bias / u.factor, e.precision / u.factor, e.rmse / u.factor, u.text, arc);
-    out_.erase(out_.find_last_not_of(' ') + 1);
-    out_ += "\n";
+    out_ += "\nThe worst arc of each\n";
+    table.clear();
+    for (const auto& [arc, e] : result_.worst) row(e, "arc " + result_.arcs[arc].arc->name);
+    out_ += table.text();
   }
 
   const AxisFinder& finder_;

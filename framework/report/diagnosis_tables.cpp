@@ -7,6 +7,7 @@
 
 #include "framework/diagnosis/blind_spots.h"
 #include "framework/report/diagnosis_report.h"
+#include "framework/report/layout.h"
 
 namespace talus {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 constexpr double kImplausible = 10;  // times the usual size: as good as unseen
 constexpr std::size_t kMost = 3, kLeast = 4;
 
-std::string figure(double v) { return std::isfinite(v) ? fmt::format("{:.3g}", v) : "-"; }
+std::string three(double v) { return std::isfinite(v) ? fmt::format("{:.3g}", v) : "-"; }
 
 // "joint1, joint2, joint5" as "joint1, 2, 5".
 std::string shortened(const std::vector<std::string>& names) {
@@ -38,18 +39,11 @@ std::string rival_of(const SeenSuspect& s) {
 }
 
 std::string sensitivity_rows(const std::vector<const SeenSuspect*>& rows) {
-  std::size_t effect = 6, location = 8;
-  for (const auto* s : rows) {
-    effect = std::max(effect, s->effect.size());
-    location = std::max(location, s->location.size());
-  }
-  std::string out = fmt::format("  {:<{}}  {:<{}}  {:>10} {:>10}  {:<11} {}\n", "effect", effect,
-                                "at", location, "smallest", "usual", "unit", "would be taken for");
+  Table table({"<effect", "<at", ".smallest", ".usual", "<unit", "<would be taken for"});
   for (const auto* s : rows)
-    out += fmt::format("  {:<{}}  {:<{}}  {:>10} {:>10}  {:<11} {}\n", spoken(s->effect), effect,
-                       s->location, location, figure(s->smallest), figure(s->typical), s->unit,
-                       rival_of(*s));
-  return out;
+    table.row({spoken(s->effect), s->location, three(s->smallest), three(s->typical), s->unit,
+               rival_of(*s)});
+  return table.text();
 }
 
 }  // namespace
@@ -59,14 +53,13 @@ std::string evidence_table(const Diagnosis& d) {
   const std::vector<Measure>&before =
             held ? fit_before(d).measures_check : fit_before(d).measures_fit,
         &after = held ? d.after.measures_check : d.after.measures_fit;
-  std::string out =
-      fmt::format("  {:<12} {:<6} {:>12} {:>12}\n", "measure", "unit", "RMSE before", "RMSE after");
+  Table table({"<measure", "<unit", ".RMSE before", ".RMSE after"});
   for (std::size_t i = 0; i < before.size() && i < after.size(); ++i) {
     const Unit unit = d.program->units.of(before[i].dimension);
-    out += fmt::format("  {:<12} {:<6} {:>12.4g} {:>12.4g}\n", before[i].name, unit.text,
-                       before[i].rmse / unit.factor, after[i].rmse / unit.factor);
+    table.row({before[i].name, unit.text, figure(before[i].rmse / unit.factor),
+               figure(after[i].rmse / unit.factor)});
   }
-  return out;
+  return table.text();
 }
 
 std::string moved_parameters(const Diagnosis& d, std::size_t most) {
@@ -74,29 +67,28 @@ std::string moved_parameters(const Diagnosis& d, std::size_t most) {
     const FittedValue *before, *after;
     double sigmas;
   };
-  std::map<std::string, const FittedValue*> after;
-  for (const FittedValue& v : d.after.parameters) after[v.name] = &v;
+  std::map<std::string, const FittedValue*> later;
+  for (const FittedValue& v : d.after.parameters) later[v.name] = &v;
   std::vector<Moved> moved;
   for (const FittedValue& v : fit_before(d).parameters)
-    if (const auto it = after.find(v.name);
-        it != after.end() && std::isfinite(v.std) && v.std > 0) {
+    if (const auto it = later.find(v.name);
+        it != later.end() && std::isfinite(v.std) && v.std > 0) {
       const double sigmas = std::abs(it->second->value - v.value) / v.std;
       if (sigmas >= 1) moved.push_back({&v, it->second, sigmas});
     }
   if (moved.empty()) return "  none by more than its uncertainty\n";
   std::stable_sort(moved.begin(), moved.end(),
                    [](const Moved& a, const Moved& b) { return a.sigmas > b.sigmas; });
-  std::size_t width = 9;
-  for (std::size_t i = 0; i < std::min(most, moved.size()); ++i)
-    width = std::max(width, moved[i].before->name.size());
-  std::string out = fmt::format("  {:<{}} {:>14} {:>14}  {:<5} {:>16}\n", "parameter", width,
-                                "before", "after", "unit", "in uncertainties");
+  Table table({"<parameter", ".before", ".after", "<unit", ".in uncertainties"});
   for (std::size_t i = 0; i < std::min(most, moved.size()); ++i) {
-    const Unit unit = d.program->units.of(moved[i].before->dimension);
-    out += fmt::format("  {:<{}} {:>14.7g} {:>14.7g}  {:<5} {:>16.1f}\n", moved[i].before->name,
-                       width, moved[i].before->value / unit.factor,
-                       moved[i].after->value / unit.factor, unit.text, moved[i].sigmas);
+    const FittedValue &before = *moved[i].before, &after = *moved[i].after;
+    const Unit unit = d.program->units.of(before.dimension);
+    const int decimals = decimals_for(before.std / unit.factor);
+    table.row({before.name, fixed(before.value / unit.factor, decimals),
+               fixed(after.value / unit.factor, decimals), unit.text,
+               fmt::format("{:.1f}", moved[i].sigmas)});
   }
+  std::string out = table.text();
   if (moved.size() > most) out += fmt::format("  ... and {} more\n", moved.size() - most);
   return out;
 }
@@ -139,37 +131,34 @@ std::string sensitivity_table(const Seen& seen, bool all) {
 
 // Senses of approach are one column of signs, joint by joint.
 std::string next_table(const NextRecordings& next, const UnitSystem& units, bool purposes) {
-  std::vector<std::string> lines(next.poses.size() + 1, "  pose");
-  for (std::size_t k = 0; k < next.poses.size(); ++k) lines[k + 1] = fmt::format("  {:>4}", k + 1);
-  std::vector<std::string> signs(next.poses.size());
-  std::size_t joints = 0;
+  std::vector<std::string> headings{">pose"}, signs(next.poses.size());
+  std::vector<std::vector<std::string>> rows;
+  for (std::size_t k = 0; k < signs.size(); ++k) rows.push_back({std::to_string(k + 1)});
   for (std::size_t c = 1; c < next.table.columns.size(); ++c) {
     const RecordedColumn& column = next.table.columns[c];
     if (c <= next.moves.size() && !next.moves[c - 1]) continue;
     if (column.name.starts_with("approach_")) {
-      ++joints;
       for (std::size_t k = 0; k < signs.size(); ++k) signs[k] += column.values[k] > 0 ? '+' : '-';
       continue;
     }
     if (column.name.starts_with("gravity.")) continue;  // in words
     const Unit unit = column.unit.text.empty() ? column.unit : units.of(column.unit.dimension);
-    const std::string head = column.name + (unit.text.empty() ? "" : "[" + unit.text + "]");
-    const std::size_t width = std::max<std::size_t>(8, head.size());
-    lines[0] += fmt::format(" {:>{}}", head, width);
+    headings.push_back("." + column.name + (unit.text.empty() ? "" : "[" + unit.text + "]"));
     for (std::size_t k = 0; k < signs.size(); ++k)
-      lines[k + 1] += fmt::format(" {:>{}.6g}", column.values[k] / unit.factor, width);
+      rows[k].push_back(fmt::format("{:.6g}", column.values[k] / unit.factor));
   }
-  const std::size_t width = std::max<std::size_t>(8, joints);
-  if (joints > 0) lines[0] += fmt::format(" {:>{}}", "approach", width);
-  std::string out = lines[0] + "\n";
+  if (!signs.empty() && !signs[0].empty()) headings.emplace_back("<approach");
+  if (purposes) headings.emplace_back("<to");
+  Table table(headings);
   for (std::size_t k = 0; k < signs.size(); ++k) {
-    out += lines[k + 1];
-    if (joints > 0) out += fmt::format(" {:>{}}", signs[k], width);
-    if (purposes) out += "  to " + join(next.poses[k].purposes, ", ");
-    out += "\n";
+    if (!signs[k].empty()) rows[k].push_back(signs[k]);
+    if (purposes) rows[k].push_back(join(next.poses[k].purposes, ", "));
+    table.row(rows[k]);
   }
+  std::string out = table.text();
   for (std::size_t k = 0; k < signs.size(); ++k)
-    if (!next.poses[k].how.empty()) out += fmt::format("  {:>4}: {}\n", k + 1, next.poses[k].how);
+    if (!next.poses[k].how.empty())
+      out += wrapped(next.poses[k].how, fmt::format("  {:>4}: ", k + 1), "        ");
   return out;
 }
 

@@ -5,41 +5,15 @@
 
 #include "framework/diagnosis/blind_spots.h"
 #include "framework/report/diagnosis_report.h"
+#include "framework/report/layout.h"
 
 namespace talus {
 namespace {
-
-constexpr std::size_t kWidth = 100;
 
 std::string heading(Verdict verdict) {
   std::string text = to_string(verdict);
   for (char& c : text) c = c == '-' ? ' ' : static_cast<char>(std::toupper(c));
   return text;
-}
-
-// Broken at blanks; further lines are indented.
-std::string wrapped(const std::string& text, const std::string& first, const std::string& more) {
-  std::string out = first, word;
-  std::size_t column = first.size();
-  auto flush = [&] {
-    if (word.empty()) return;
-    const std::size_t bare = word.size() - (word.back() == ' ');
-    if (column + bare > kWidth) {
-      while (!out.empty() && out.back() == ' ') out.pop_back();
-      out += "\n" + more;
-      column = more.size();
-    }
-    out += word;
-    column += word.size();
-    word.clear();
-  };
-  for (const char c : text) {
-    word += c;
-    if (c == ' ') flush();
-  }
-  flush();
-  while (!out.empty() && out.back() == ' ') out.pop_back();
-  return out + "\n";
 }
 
 std::string quoted(const std::string& file) {
@@ -69,7 +43,6 @@ class Writer {
     sensitivity();
     next();
     how_to_go_on();
-    for (const std::string& warning : d_.warnings) out_ += wrapped(warning, "Warning: ", "  ");
     return std::move(out_);
   }
 
@@ -161,7 +134,7 @@ class Writer {
 
   void sensitivity() {
     if (advice_.seen.suspects.empty()) return;
-    out_ += "\nWhat would have been seen (in 80 of 100 such recordings; in units of each effect)\n";
+    out_ += "\nWhat would have been seen (in 80 of 100 such recordings)\n";
     const std::string table = sensitivity_table(advice_.seen, options_.sensitivity);
     std::string line;
     for (const char c : table) {
@@ -219,29 +192,30 @@ class Writer {
 
   void how_to_go_on() {
     out_ += "\nHow to go on\n";
-    if (!files_.extended_model.empty())
-      out_ += fmt::format("  The extended model is in {}\n", files_.extended_model);
+    auto command = [&](const std::string& why, const std::string& line) {
+      out_ += fmt::format("  {}\n    talus {}\n", why, line);
+    };
+    const std::string as_given =
+        quoted(context_.model_file) + " " + quoted(context_.recordings_file);
     const std::string model =
-        files_.extended_model.empty() ? context_.model_file : files_.extended_model;
-    if (!files_.extended_model.empty())
-      out_ += fmt::format(
-          "  talus calibrate {} {}    the extended model, fitted and judged\n"
-          "  talus diagnose {} {}    is anything else missing?\n",
-          quoted(model), quoted(context_.recordings_file), quoted(model),
-          quoted(context_.recordings_file));
+        quoted(files_.extended_model.empty() ? context_.model_file : files_.extended_model);
+    if (!files_.extended_model.empty()) {
+      const std::string extended = model + " " + quoted(context_.recordings_file);
+      command("The extended model is in " + files_.extended_model + "; fitted and judged by",
+              "calibrate " + extended);
+      command("Is anything else missing?", "diagnose " + extended);
+    }
     for (const std::string& file : files_.formula_models)
       if (!file.empty())
-        out_ += fmt::format("  talus calibrate {} {}    the formula instead of the curve\n",
-                            quoted(file), quoted(context_.recordings_file));
+        command("The formula instead of the curve:",
+                "calibrate " + quoted(file) + " " + quoted(context_.recordings_file));
     if (!files_.next_poses.empty())
-      out_ += fmt::format("  talus simulate {} --poses {}    what these poses should measure\n",
-                          quoted(model), quoted(files_.next_poses));
+      command("What these poses should measure:",
+              "simulate " + model + " --poses " + quoted(files_.next_poses));
     else if (!advice_.next.poses.empty())
-      out_ += fmt::format("  talus diagnose {} {} --next next.csv    the poses above as a table\n",
-                          quoted(context_.model_file), quoted(context_.recordings_file));
+      command("The poses above as a table:", "diagnose " + as_given + " --next next.csv");
     if (!options_.details)
-      out_ += fmt::format("  talus diagnose {} {} --details --sensitivity    all of the evidence\n",
-                          quoted(context_.model_file), quoted(context_.recordings_file));
+      command("All of the evidence:", "diagnose " + as_given + " --details --sensitivity");
   }
 
   const Diagnosis& d_;

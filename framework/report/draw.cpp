@@ -95,6 +95,7 @@ class Drawing {
       auto below = caption(k);
       while (below.size() < lines) below.push_back({});
       pictures.push_back(paint(scene, projection, page_, below, sized, places));
+      if (o_.progress) o_.progress(static_cast<double>(k + 1) / static_cast<double>(count));
     }
     return pictures;
   }

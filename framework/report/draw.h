@@ -2,6 +2,7 @@
 // their view and their scale.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,8 @@ struct DrawOptions {
   std::string hold;                 // the frame that stands still; default the root
   std::vector<std::string> frames;  // shown as triads; default the main ones; "all"
   double width = 1000, height = 750;
-  std::vector<std::string> titles;  // before the coordinates of each pose: "row 3"
+  std::vector<std::string> titles;            // before the coordinates of each pose: "row 3"
+  std::function<void(double)> progress = {};  // share of the pictures made
 };
 
 // Every coordinate at rest.

@@ -83,7 +83,8 @@ bool ffmpeg_found() {
   return false;
 }
 
-bool write_video(const std::string& file, const std::vector<Picture>& pictures, double rate) {
+bool write_video(const std::string& file, const std::vector<Picture>& pictures, double rate,
+                 const std::function<void(double)>& progress) {
   const std::string ending = std::filesystem::path(file).extension().string(),
                     beside = file + ".part" + ending;
   std::vector<std::string> words{
@@ -111,7 +112,10 @@ bool write_video(const std::string& file, const std::vector<Picture>& pictures, 
   bool good = true;
   {
     Pipe ffmpeg(words);
-    for (const Picture& picture : pictures) good = good && ffmpeg.write(raw_pixels(picture));
+    for (std::size_t k = 0; good && k < pictures.size(); ++k) {
+      good = ffmpeg.write(raw_pixels(pictures[k]));
+      if (progress) progress(static_cast<double>(k + 1) / static_cast<double>(pictures.size()));
+    }
     good = ffmpeg.finish() && good;
   }
   std::error_code error;

@@ -38,6 +38,9 @@ double all_folds(const std::vector<FoldStep>& folds);      // root mean square o
 // Probed shapes and datums: points, RMSE of the fits, squareness. Empty where nothing was probed.
 std::string probing_text(const Program& program, const Measured& measured);
 
+// Directions that are not seen, one to a line.
+std::string unseen_text(const Identifiability& seen);
+
 std::string text_report(const Program& program, const Fit& fit, const ReportContext& context);
 std::string json_report(const Program& program, const Fit& fit, const ReportContext& context);
 

@@ -3,45 +3,27 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/report/layout.h"
 #include "framework/report/report.h"
+#include "framework/report/verdict.h"
 
 namespace talus {
 namespace {
 
-std::string cell(double value, int decimals) {
-  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals)
-                              : std::string(std::isnan(value) ? "-" : "unseen");
-}
-
-// Four significant digits, without exponents where they are not needed.
-std::string figure(double value) {
-  if (!std::isfinite(value)) return "-";
-  if (value == 0) return "0";
-  const int decimals =
-      std::clamp(3 - static_cast<int>(std::floor(std::log10(std::abs(value)))), 0, 9);
-  return fmt::format("{:.{}f}", value, std::min(decimals, 7));
-}
-
-// Decimals that show the uncertainty with two digits, within reason.
-int decimals_for(double std) {
-  if (!(std > 0) || !std::isfinite(std)) return 4;
-  return std::clamp(1 - static_cast<int>(std::floor(std::log10(std))), 0, 7);
-}
-
 std::string measure_table(const std::vector<Measure>& list, const UnitSystem& units) {
-  std::size_t width = 7;
-  for (const Measure& m : list) width = std::max(width, m.name.size());
-  std::string out =
-      fmt::format("  {:<{}}  {:<6} {:>5} {:>11} {:>11} {:>11} {:>10} {:>8}\n", "measure", width,
-                  "unit", "n", "bias", "precision", "RMSE", "FSR", "% FSR");
+  Table table({"<measure", "<unit", ">n", ".bias", ".precision", ".RMSE", ".FSR", ".% FSR"});
   for (const Measure& m : list) {
     const Unit unit = units.of(m.dimension);
     auto in = [&](double v) { return v / unit.factor; };
-    out += fmt::format("  {:<{}}  {:<6} {:>5} {:>11} {:>11} {:>11} {:>10} {:>8}\n", m.name, width,
-                       unit.text, m.count, figure(in(m.bias)), figure(in(m.precision)),
-                       figure(in(m.rmse)), figure(in(m.fsr)), figure(m.percent_fsr));
+    // Bias and precision with the decimals of the RMSE that they make up.
+    const double rmse = in(m.rmse);
+    auto shown = [&](double v) {
+      return std::isfinite(v) && rmse > 0 ? fixed(in(v), decimals_for(rmse / 100)) : figure(in(v));
+    };
+    table.row({m.name, unit.text, std::to_string(m.count), shown(m.bias), shown(m.precision),
+               shown(m.rmse), figure(in(m.fsr)), figure(m.percent_fsr)});
   }
-  return out;
+  return table.text();
 }
 
 // Root mean square of the distance in space, where a feature has x, y and z in one unit of length.
@@ -64,43 +46,50 @@ std::string distances(const Program& program, const std::vector<Measure>& list) 
 std::string parameter_table(std::vector<FittedValue> list, const UnitSystem& units,
                             std::size_t most) {
   std::erase_if(list, [](const FittedValue& v) { return v.held_out; });
-  std::size_t width = 9;
-  for (const FittedValue& v : list) width = std::max(width, v.name.size());
-  std::string out = fmt::format("  {:<{}} {:>13} {:>13} {:>13} {:>12}  {}\n", "parameter", width,
-                                "nominal", "calibrated", "difference", "std", "unit");
+  Table table({"<parameter", ".nominal", ".calibrated", ".difference", ".std", "<unit", "<"});
   for (std::size_t i = 0; i < std::min(most, list.size()); ++i) {
     const FittedValue& v = list[i];
     const Unit unit = units.of(v.dimension);
     const double std = v.std / unit.factor;
     const int d = decimals_for(std);
-    out += fmt::format("  {:<{}} {:>13} {:>13} {:>13} {:>12}  {}{}\n", v.name, width,
-                       cell(v.nominal / unit.factor, std::min(d, 4)),
-                       cell(v.value / unit.factor, d), cell((v.value - v.nominal) / unit.factor, d),
-                       cell(std, d), unit.text, v.identifiable ? "" : "   not identifiable alone");
+    table.row({v.name, fixed(v.nominal / unit.factor, std::min(d, 4)),
+               fixed(v.value / unit.factor, d), fixed((v.value - v.nominal) / unit.factor, d),
+               fixed(std, d), unit.text, v.identifiable ? "" : "not alone"});
   }
+  std::string out = table.text();
   if (list.size() > most)
     out += fmt::format("  ... and {} more (see --json)\n", list.size() - most);
+  if (std::any_of(list.begin(), list.end(), [](const FittedValue& v) { return !v.identifiable; }))
+    out += wrapped(
+        "not alone: seen only in combination with others, and so uncertain; see what is not seen.",
+        "  ", "  ");
   return out;
 }
 
 std::string sweep_text(const std::vector<SweepStep>& sweep) {
-  std::string out =
-      "\nSweep of the first residual's weight (RMSE of the check rows in % of full-scale range). "
-      "As in the papers, the weight is\n"
-      "chosen on the rows held out, so their errors above are a little better than fresh rows "
-      "would show.\n";
+  Table table({".weight", ".mean RMSE, %", ">iterations"});
   for (const SweepStep& s : sweep)
-    out += fmt::format("  weight {:.3f}: mean {:.4f} %, {} iterations\n", s.weight, s.mean,
-                       s.iterations);
-  return out + fmt::format("  best: {:.3f}\n", sweep[best_of(sweep)].weight);
+    table.row({fmt::format("{:.3f}", s.weight), fmt::format("{:.4f}", s.mean),
+               std::to_string(s.iterations)});
+  return "\nSweep of the first residual's weight\n" +
+         wrapped(
+             "RMSE of the rows held out in % of full-scale range, mean of all measures. As in "
+             "the papers, the weight is chosen on the rows held out, so their errors are a "
+             "little better than fresh rows would show.",
+             "  ", "  ") +
+         table.text() + fmt::format("  best: {:.3f}\n", sweep[best_of(sweep)].weight);
 }
 
 std::string fold_text(const std::vector<FoldStep>& folds) {
-  std::string out = fmt::format("\nHeld out by {} folds of whole groups\n", folds.size());
+  Table table({">fold", ">poses held out", ".fitted", ".held out"});
   for (std::size_t i = 0; i < folds.size(); ++i)
-    out += fmt::format("  fold {}: {} poses held out, residuals {:.4g} fitted, {:.4g} held out\n",
-                       i + 1, folds[i].held_out, folds[i].fit_rms, folds[i].heldout_rms);
-  return out + fmt::format("  all folds: {:.4g} held out (root mean square)\n", all_folds(folds));
+    table.row({std::to_string(i + 1), std::to_string(folds[i].held_out),
+               fmt::format("{:.4f}", folds[i].fit_rms),
+               fmt::format("{:.4f}", folds[i].heldout_rms)});
+  return fmt::format("\nEvery group held out once, in {} folds: residuals in sigmas\n",
+                     folds.size()) +
+         table.text() +
+         fmt::format("  all folds: {:.4g} held out (root mean square)\n", all_folds(folds));
 }
 
 }  // namespace
@@ -120,21 +109,26 @@ double all_folds(const std::vector<FoldStep>& folds) {
   return std::sqrt(sum / std::max(1.0, poses));
 }
 
+std::string unseen_text(const Identifiability& seen) {
+  std::string out;
+  for (const std::string& sentence : seen.unseen) out += wrapped(sentence, "  - ", "    ");
+  return out;
+}
+
 std::string probing_text(const Program& program, const Measured& measured) {
   if (measured.shapes.empty()) return "";
   const Unit length_unit = program.units.of(length), angle_unit = program.units.of(angle);
-  std::size_t width = 5;
-  for (const ShapeQuality& s : measured.shapes) width = std::max(width, s.name.size());
-  std::string out = fmt::format(
-      "Probed shapes ({}), points of {}\n  {:<{}}  {:<8} {:>6} {:>7} {:>9} {:>9} {:>6} {:>14}\n",
-      length_unit.text, measured.points_file, "shape", width, "kind", "poses", "points", "RMSE",
-      "worst", "(pose)", "noise of a point");
+  std::string out = wrapped(
+      fmt::format("Probed shapes ({}), points of {}", length_unit.text, measured.points_file), "",
+      "  ");
+  Table table(
+      {"<shape", "<kind", ">poses", ">points", ".RMSE", ".worst", ">(pose)", ".noise of a point"});
   for (const ShapeQuality& s : measured.shapes) {
     auto in = [&](double v) { return figure(v / length_unit.factor); };
-    out += fmt::format("  {:<{}}  {:<8} {:>6} {:>7} {:>9} {:>9} {:>6} {:>14}\n", s.name, width,
-                       s.tag, s.poses, s.points, in(s.rmse), in(s.worst),
-                       fmt::format("{:g}", s.worst_pose), in(s.sigma));
+    table.row({s.name, s.tag, std::to_string(s.poses), std::to_string(s.points), in(s.rmse),
+               in(s.worst), fmt::format("{:g}", s.worst_pose), in(s.sigma)});
   }
+  out += table.text();
   for (const DatumQuality& d : measured.datums)
     if (!std::isnan(d.worst))
       out += fmt::format("  datum {}: its shapes are square within {:.3g} {} (pose {:g})\n", d.name,
@@ -144,14 +138,19 @@ std::string probing_text(const Program& program, const Measured& measured) {
 
 std::string text_report(const Program& program, const Fit& fit, const ReportContext& context) {
   const UnitSystem& units = program.units;
-  std::string out =
-      fmt::format("{}\n  model {}, recordings {}: {} poses to fit, {} to check\n\n", program.name,
-                  context.model_file, context.recordings_file, fit.poses_fit, fit.poses_check);
+  std::string out = text_of(verdict_of_fit(program, fit));
+  out += fmt::format("\n{}\n", program.name.empty() ? "Model" : program.name);
+  out += wrapped(
+      fmt::format("model {}, recordings {}: {} poses to fit, {} to check", context.model_file,
+                  context.recordings_file, fit.poses_fit, fit.poses_check),
+      "  ", "  ");
   if (context.measured && !context.measured->shapes.empty())
-    out += probing_text(program, *context.measured) + "\n";
-  out += "Parameters\n" + parameter_table(fit.parameters, units, 200);
+    out += "\n" + probing_text(program, *context.measured);
+  out += "\nParameters\n" + parameter_table(fit.parameters, units, 200);
   if (!fit.shared.empty())
     out += "\nUnknowns shared by groups of rows\n" + parameter_table(fit.shared, units, 24);
+  const Identifiability& s = fit.seen;
+  if (!s.unseen.empty()) out += "\nWhat these recordings do not see\n" + unseen_text(s);
   if (!fit.measures_check.empty())
     out += "\nErrors on rows held out (measured minus modelled)\n" +
            measure_table(fit.measures_check, units) + distances(program, fit.measures_check);
@@ -160,26 +159,14 @@ std::string text_report(const Program& program, const Fit& fit, const ReportCont
   if (fit.rows_missing)
     out +=
         fmt::format("  {} residuals were left out because a value is missing\n", fit.rows_missing);
-  const char* divisor = fit.noise_known ? "stated sigmas" : "noise estimated from the fit";
-  out += fmt::format(
-      "\nResiduals in {}: {} fitted, {} held out ({:.3g} = explained by the instruments)\n",
-      divisor, figure(fit.fit_rms), figure(fit.heldout_rms), fit.expected_rms);
-  if (fit.noise_known)
-    out += fmt::format("Chi-square {:.5g} on {:.0f} degrees of freedom, p = {:.2g}\n", fit.chi2,
-                       fit.dof, fit.chi2_p);
-  const Identifiability& s = fit.seen;
-  out += fmt::format("Identifiability: {} of {} directions seen", s.seen, s.singular.size());
-  out += s.unseen.empty() ? "\n" : "; unseen:\n";
-  for (const std::string& sentence : s.unseen) out += "  - " + sentence + "\n";
-  out +=
-      fmt::format("Observability indices O1 {:.3g}, O2 {:.3g}, O3 {:.3g}, O4 {:.3g}, O5 {:.3g}\n",
-                  s.o1, s.o2, s.o3, s.o4, s.o5);
-  out += fmt::format("{} iterations, {:.3g} s, {} ({})\n", fit.iterations, fit.seconds, fit.stopped,
-                     fit.solver == "qr" ? "QR" : "normal equations");
-  for (const std::string& warning : fit.warnings) out += "Warning: " + warning + "\n";
   if (!context.sweep.empty()) out += sweep_text(context.sweep);
   if (!context.folds.empty()) out += fold_text(context.folds);
-  return out;
+  out += "\nThe fit\n";
+  out +=
+      fmt::format("  observability indices O1 {:.3g}, O2 {:.3g}, O3 {:.3g}, O4 {:.3g}, O5 {:.3g}\n",
+                  s.o1, s.o2, s.o3, s.o4, s.o5);
+  return out + fmt::format("  {} iterations, {:.3g} s, {} ({})\n", fit.iterations, fit.seconds,
+                           fit.stopped, fit.solver == "qr" ? "QR" : "normal equations");
 }
 
 }  // namespace talus

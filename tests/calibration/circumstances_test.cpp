@@ -190,6 +190,6 @@ TEST_CASE("effects need not be known to check and draw a model") {
   folder.write("arm.xml", arm_with(kAll));
   const Run check = command(folder, "check arm.xml");
   CHECK(check.code == 0);
-  CHECK(check.out.find("Circumstances: time, temperature, pose, ") != std::string::npos);
+  CHECK(check.out.find("Circumstances\n  time, temperature, pose, ") != std::string::npos);
   CHECK(command(folder, "draw arm.xml --picture arm.svg").code == 0);
 }

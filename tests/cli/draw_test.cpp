@@ -17,7 +17,7 @@ std::string complaint(const Folder& folder, const std::string& arguments) {
   const Run run = command(folder, arguments);
   CHECK(run.code == 2);
   CHECK(run.out.empty());
-  return run.error;
+  return said(run.error);
 }
 
 }  // namespace
@@ -50,13 +50,14 @@ TEST_CASE(
   const Run run = command(folder, "draw arm.xml holes.csv --between 4 --animation arm.html");
   CHECK(run.code == 0);
   CHECK(run.out == "Animation: arm.html (11 pictures)\n");
-  CHECK(run.error == "holes.csv has no column u: there the model's start is shown.\n");
+  CHECK(run.error == "Warning: holes.csv has no column u: there the model's start is shown.\n");
   const std::string html = contents(folder / "arm.html");
   CHECK(html.find("row 1 to 3") != std::string::npos);
   CHECK(html.find("q 5.0 deg, u 10.0 deg") == std::string::npos);
   CHECK(html.find("row 1 to 3: q 4.0 deg, u 10.0 deg") != std::string::npos);
   CHECK(folder.files().size() == 4);  // no picture beside it
   CHECK(complaint(folder, "draw arm.xml holes.csv --pose 2 --quiet") ==
+        "Warning: holes.csv has no column u: there the model's start is shown.\n"
         "holes.csv:3: this row lacks a reading\n  expected another --pose\n");
   CHECK(complaint(folder, "draw arm.xml holes.csv --pose 5") ==
         "--pose 5: there are 4 rows\n  expected 1 to 4\n");

@@ -151,7 +151,7 @@ TEST_CASE("what motion is told off for") {
     const Run run = motion(folder, arguments);
     CHECK(run.code == 2);
     CHECK(run.out.empty());
-    return run.error;
+    return said(run.error);
   };
   CHECK(error(ankle + " --frame 'E in tibai'").find("--frame E in tibai: no frame 'tibai'\n") == 0);
   CHECK(error(ankle + " --of subtalra").find("did you mean 'subtalar'?") != std::string::npos);

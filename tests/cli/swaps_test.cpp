@@ -93,11 +93,11 @@ TEST_CASE("a quaternion that is none, and a table written over its own source, a
   folder.write("r.csv", text.replace(quaternion, end - quaternion, ",0,0,0,0"));
   Run run = command(folder, "calibrate '" + isl + "model.xml' r.csv");
   CHECK(run.code == 2);
-  CHECK(run.error ==
+  CHECK(said(run.error) ==
         "r.csv:5: the quaternion of 'E' has length 0\n  expected a unit quaternion: w, x, y, z\n");
   const std::string before = contents(folder / "r.csv");
   run = command(folder, "motion '" + isl + "published.xml' r.csv --table r.csv");
   CHECK(run.code == 2);
-  CHECK(run.error == "r.csv: would be written over what is read\n  expected another file\n");
+  CHECK(said(run.error) == "r.csv: would be written over what is read\n  expected another file\n");
   CHECK(contents(folder / "r.csv") == before);
 }

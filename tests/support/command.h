@@ -65,6 +65,27 @@ inline Run command(const Folder& folder, const std::string& arguments) {
           contents(streams / "error")};
 }
 
+// An error message without the word "error" behind its place.
+inline std::string said(std::string error) {
+  const std::size_t at = error.find(": error: ");
+  return at == std::string::npos ? "(no error) " + error : error.replace(at, 9, ": ");
+}
+
+// What a terminal shows, standard output and standard error, by `script`; in front of the command
+// goes `environment`: "TERM=xterm". Lines end in \r\n there, which is \n here.
+inline std::string terminal(const Folder& folder, const std::string& arguments,
+                            const std::string& environment = "TERM=xterm") {
+  const Folder streams;
+  std::ofstream(streams / "run") << "cd '" << folder.path().string() << "' && exec env -u NO_COLOR "
+                                 << environment << " '" TALUS_COMMAND "' " << arguments << "\n";
+  const std::string line = "script -qc 'sh " + streams / "run" + "' /dev/null > '" +
+                           streams / "out" + "' 2>&1 < /dev/null";
+  CHECK(std::system(line.c_str()) == 0);
+  std::string text = contents(streams / "out");
+  for (std::size_t at = 0; (at = text.find("\r\n", at)) != std::string::npos;) text.erase(at, 1);
+  return text;
+}
+
 // The same for any program; the exit code alone.
 inline int shell(const std::string& command) {
   const int status = std::system((command + " > /dev/null 2>&1").c_str());
