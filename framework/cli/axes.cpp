@@ -57,7 +57,7 @@ void run(const Options& o) {
   const AxesContext context{o.model, o.linkage, o.actual, o.recordings, options.labels};
   if (!o.common.json.empty()) put(o.common.json, axes_json(finder, result, context));
   if (!o.html.empty()) {
-    PageContent page = page_content("axes", model, o.recordings);
+    PageContent page = page_content("axes", model, o.common, o.recordings);
     page.report_json = axes_json(finder, result, context);
     page.report_text = axes_text(finder, result, context);
     page_of_axes(page, finder, result, recordings, o.recordings);

@@ -163,7 +163,8 @@ void run(Options& o) {
   if (!o.common.json.empty()) put(o.common.json, json_report(program, fit, context));
   write_file(file, lua ? write_lua(calibrated) : write_xml(calibrated));
   if (!o.html.empty()) {
-    PageContent page = page_content("calibrate", model, {o.recordings, measured.points_file});
+    PageContent page =
+        page_content("calibrate", model, o.common, {o.recordings, measured.points_file});
     page.report_json = json_report(program, fit, context);
     page.report_text = text;
     page_of_fit(page, program, recordings, split, fit);

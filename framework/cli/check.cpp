@@ -125,7 +125,7 @@ void run(const std::string& model_file, const std::string& recordings_file,
   Registry registry = common.registry();
   const Model model = open_model(model_file, registry, common);
   const Program program = compile(model, registry);
-  PageContent page = page_content("check", model, {recordings_file, points_file});
+  PageContent page = page_content("check", model, common, {recordings_file, points_file});
   const std::string title = fmt::format("\n{}\n", program.name.empty() ? "Model" : program.name),
                     chain = chain_text(program) + axes_text(program);
   auto finish = [&](const Spoken& verdict, const std::string& more) {

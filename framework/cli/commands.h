@@ -44,7 +44,7 @@ void add_points(CLI::App& command, std::string& points_file);  // --points
 // with what every page says of its command.
 void add_html(CLI::App& command, std::string& file);
 void check_html(const std::string& file, const std::vector<std::string>& inputs);
-PageContent page_content(const std::string& command, const Model& model,
+PageContent page_content(const std::string& command, const Model& model, const Common& common,
                          const std::vector<std::string>& files);
 void put_page(const std::string& file, const PageContent& content);
 std::string& command_line();  // as it was given

@@ -111,7 +111,8 @@ void run(Options& o) {
   const ReportContext context{"diagnose", o.model, o.recordings, &measured};
   if (!o.common.json.empty()) put(o.common.json, diagnosis_json(d, advice, context, files));
   if (!o.html.empty()) {
-    PageContent page = page_content("diagnose", model, {o.recordings, measured.points_file});
+    PageContent page =
+        page_content("diagnose", model, o.common, {o.recordings, measured.points_file});
     page.report_json = diagnosis_json(d, advice, context, files);
     page.report_text = diagnosis_text(d, advice, context, files, {true, true});
     const Recordings before = with_derived(*d.program, d.recordings, fit_before(d).x),

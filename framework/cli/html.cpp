@@ -23,12 +23,13 @@ void check_html(const std::string& file, const std::vector<std::string>& inputs)
   if (!has_page_template()) write_page({});  // says how to get it
 }
 
-PageContent page_content(const std::string& command, const Model& model,
+PageContent page_content(const std::string& command, const Model& model, const Common& common,
                          const std::vector<std::string>& files) {
   PageContent content;
   content.command = command;
   content.command_line = command_line();
   content.model = &model;
+  content.sets = common.sets;
   for (const std::string& file : files)
     if (!file.empty()) content.files.push_back(file);
   return content;

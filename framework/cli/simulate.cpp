@@ -99,7 +99,7 @@ void run(const Options& o) {
       fmt::format("# simulated from {} by talus {}, seed {}, noise {:g} times the stated sigmas\n",
                   o.model, TALUS_VERSION, o.common.seed, o.noise);
   if (!o.html.empty()) {
-    PageContent page = page_content("simulate", model, {});
+    PageContent page = page_content("simulate", model, o.common, {});
     page_of_simulation(page, program, *settings, recordings);
     put_page(o.html, page);
   }

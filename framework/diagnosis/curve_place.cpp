@@ -40,13 +40,11 @@ int part_of(const Accepted& e, const EffectPlace& place) {
 // The columns of the effect's own amounts, and their priors' rows.
 void take_out(Linearised& at, const Accepted& e) {
   Baseline& base = at.baseline;
-  const std::string owner = e.suspect.plugin->declaration.tag + "_" + e.suspect.at;
   std::vector<int> columns, rows, pose;
   std::vector<bool> drop(static_cast<std::size_t>(base.rows.size()), false);
   for (std::size_t c = 0; c < at.parameters.size(); ++c) {
-    const auto p = static_cast<std::size_t>(at.parameters[c]);
     const auto column = static_cast<Index>(c);
-    if (p >= at.program->parameters.size() || at.program->parameters[p].element != owner) {
+    if (!is_amount(at, c, e)) {
       columns.push_back(static_cast<int>(c));
       continue;
     }
@@ -62,6 +60,13 @@ void take_out(Linearised& at, const Accepted& e) {
 }
 
 }  // namespace
+
+bool is_amount(const Linearised& at, std::size_t parameter, const Accepted& effect) {
+  const auto p = static_cast<std::size_t>(at.parameters[parameter]);
+  return p < at.program->parameters.size() &&
+         at.program->parameters[p].element ==
+             effect.suspect.plugin->declaration.tag + "_" + effect.suspect.at;
+}
 
 std::optional<CurvePlace> curve_place(const Ground& ground, const Search& search, std::size_t i,
                                       const UnitSystem& units) {

@@ -21,4 +21,7 @@ struct CurvePlace {
 std::optional<CurvePlace> curve_place(const Ground& ground, const Search& search, std::size_t i,
                                       const UnitSystem& units);
 
+// Is this parameter (a number of at.parameters) an amount of the accepted effect?
+bool is_amount(const Linearised& at, std::size_t parameter, const Accepted& effect);
+
 }  // namespace talus

@@ -1,11 +1,10 @@
 #include "framework/kinematics/tape_values.h"
 
 #include <map>
-#include <set>
 
 namespace talus {
 
-TapeValues::TapeValues(const Tape& tape, std::vector<std::int32_t> wanted) {
+std::set<std::int32_t> needed_nodes(const Tape& tape, const std::vector<std::int32_t>& wanted) {
   std::set<std::int32_t> needed;
   std::vector<std::int32_t> stack = wanted;
   while (!stack.empty()) {
@@ -15,8 +14,12 @@ TapeValues::TapeValues(const Tape& tape, std::vector<std::int32_t> wanted) {
     const Node& n = tape[i];
     if (n.op != Op::leaf && n.op != Op::constant) stack.insert(stack.end(), {n.a, n.b, n.c});
   }
+  return needed;
+}
+
+TapeValues::TapeValues(const Tape& tape, std::vector<std::int32_t> wanted) {
   std::map<std::int32_t, int> at;
-  for (std::int32_t i : needed) {  // arguments stand before their users
+  for (std::int32_t i : needed_nodes(tape, wanted)) {  // arguments stand before their users
     const Node& n = tape[i];
     auto argument = [&](std::int32_t a) { return a >= 0 ? at[a] : 0; };
     const bool leaf = n.op == Op::leaf;

@@ -2,12 +2,17 @@
 // once.
 #pragma once
 
+#include <set>
 #include <span>
 #include <vector>
 
 #include "framework/kinematics/expr.h"
 
 namespace talus {
+
+// Those that the wanted ones are worked out from, themselves among them; a node's arguments have
+// smaller numbers than the node.
+std::set<std::int32_t> needed_nodes(const Tape& tape, const std::vector<std::int32_t>& wanted);
 
 class TapeValues {
  public:

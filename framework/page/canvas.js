@@ -62,7 +62,7 @@ export function paint(context, camera, shapes, colours, { names = false, lit = n
       if (facing <= 0) continue;
       const corners = face.map(i => flat(s.corners[i]));
       push(corners.reduce((sum, p) => sum + p[2], 0) / 4, () => {
-        context.globalAlpha = s.solid ? 1 : 0.75;
+        context.globalAlpha = s.solid ? 1 : 0.5;
         polygon(corners, shade(lit && s.key === lit ? colours.lit : s.colour, facing), colours.faint);
         context.globalAlpha = 1;
       });

@@ -93,7 +93,7 @@ void page_of_diagnosis(PageContent& content, const Diagnosis& d, const Advice& a
   if (!d.noise.statement.empty()) content.sentences.push_back(d.noise.statement);
   for (const std::string& warning : d.warnings) content.sentences.push_back(warning);
   const Program& program = *d.program;
-  content.states.push_back({"nominal", &program, {}});
+  content.states.push_back(given_state("nominal", program, before, 1));
   content.states.push_back(fitted_state("as given, fitted", program, before, fit_before(d)));
   const bool found = !d.findings.empty();
   if (found)
@@ -102,6 +102,9 @@ void page_of_diagnosis(PageContent& content, const Diagnosis& d, const Advice& a
   content.use = use_of(before.rows(), d.split);
   content.directions = directions(found ? d.after.seen : fit_before(d).seen,
                                   found ? *d.program_after : program, found ? 2 : 1);
+  content.curves = advice.curves;
+  content.curves.resize(d.findings.size());
+  content.curves.insert(content.curves.end(), advice.hint_curves.begin(), advice.hint_curves.end());
   for (const NextPose& pose : advice.next.poses) {
     content.next.emplace_back();
     for (std::size_t i = 0; i < pose.coordinates.size(); ++i)
@@ -116,9 +119,11 @@ void page_of_axes(PageContent& content, const AxisFinder& finder, const AxesResu
   const Program& program = finder.program();
   content.title = program.name;
   tell(content, verdict_of_axes(result, names));
-  for (std::size_t r = 0; r < result.whole.located.size(); ++r)
+  for (std::size_t r = 0; r < result.whole.located.size(); ++r) {
     content.states.push_back(
         fitted_state(names[r], program, recordings[r], result.whole.located[r].fit));
+    content.states.back().apart = r > 0;
+  }
   std::rotate(content.states.begin(), content.states.begin() + 1, content.states.end());
   content.recordings = &recordings[0];
   content.use.assign(recordings[0].rows(), 'f');

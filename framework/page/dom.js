@@ -28,12 +28,13 @@ export function withStd(v, std) {
 export const unitText = unit => !unit || unit === "1" ? "" : unit;
 export const spoken = name => name.replaceAll("_", " ");
 
-// columns: [{title, text: true where it is words, wide}], rows: arrays of strings or nodes.
-export function table(columns, rows, { onrow, caption, keys } = {}) {
-  const kind = c => [c.text ? "t" : "", c.wide ? "w" : ""].join(" ").trim() || null;
+// columns: [{title, text: true where it is words, wide, short}], rows: arrays of strings or nodes;
+// paper(k): whether row k is printed.
+export function table(columns, rows, { onrow, caption, keys, paper } = {}) {
+  const kind = c => [c.text ? "t" : "", c.wide ? "w" : "", c.short ? "s" : ""].join(" ").trim() || null;
   const body = rows.map((row, k) => {
     const act = onrow ? () => onrow(k) : null;
-    return h("tr", { tabindex: act ? 0 : null, "data-key": keys?.[k], onclick: act ?? (() => {}),
+    return h("tr", { class: paper && !paper(k) ? "offpaper" : null, tabindex: act ? 0 : null, "data-key": keys?.[k], onclick: act ?? (() => {}),
       onkeydown: e => { if (act && e.key === "Enter") act(); } },
       row.map((cell, i) => h("td", { class: kind(columns[i]) }, cell ?? "–")));
   });

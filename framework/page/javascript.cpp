@@ -4,7 +4,8 @@
 
 #include <cmath>
 #include <map>
-#include <set>
+
+#include "framework/kinematics/tape_values.h"
 
 namespace talus {
 namespace {
@@ -65,18 +66,9 @@ std::string operation(Op op, const std::string& a, const std::string& b, const s
 }  // namespace
 
 std::string javascript(const Tape& tape, const std::vector<std::int32_t>& wanted) {
-  std::set<std::int32_t> needed;
-  std::vector<std::int32_t> stack = wanted;
-  while (!stack.empty()) {
-    const std::int32_t i = stack.back();
-    stack.pop_back();
-    if (i < 0 || !needed.insert(i).second) continue;
-    const Node& n = tape[i];
-    if (n.op != Op::leaf && n.op != Op::constant) stack.insert(stack.end(), {n.a, n.b, n.c});
-  }
   std::string out = "function(s,o){";
-  std::map<std::int32_t, std::string> name;  // a constant's is the number
-  for (const std::int32_t i : needed) {      // arguments stand before their users
+  std::map<std::int32_t, std::string> name;                  // a constant's is the number
+  for (const std::int32_t i : needed_nodes(tape, wanted)) {  // arguments stand before their users
     const Node& n = tape[i];
     if (n.op == Op::constant) {
       name[i] = number_text(n.value);

@@ -11,6 +11,7 @@
 
 #include "framework/dsl/text.h"
 #include "framework/page/linkage.h"
+#include "framework/page/pack.h"
 #include "framework/page/page_state.h"
 #include "framework/page/sha256.h"
 #include "framework/page/template.h"
@@ -55,6 +56,31 @@ Json sources(const Model& model) {
   return out;
 }
 
+// What --set has changed, and where the file has it: the text shown is the file's.
+Json changes(const PageContent& content) {
+  std::map<std::string, Place> places;
+  std::function<void(const Element&, bool)> walk = [&](const Element& e, bool root) {
+    for (const Attribute& a : e.attributes) {
+      if (!e.name().empty()) places.try_emplace(e.name() + "." + a.name, a.place);
+      if (e.tag == "calibrate") places["calibrate." + a.name] = places[a.name] = a.place;
+      if (root) places[a.name] = a.place;
+      if (a.name == "value") places.try_emplace(e.name(), a.place);
+    }
+    for (const Element& child : e.children) walk(child, false);
+  };
+  if (content.model) walk(content.model->root, true);
+  Json out = Json::array();
+  for (const std::string& set : content.sets) {
+    const std::string name = set.substr(0, set.find('='));
+    const Place& place = places[name];
+    out.push_back({{"name", name},
+                   {"text", set.substr(std::min(set.size(), name.size() + 1))},
+                   {"file", place.file},
+                   {"line", place.line}});
+  }
+  return out;
+}
+
 Json columns(const Recordings& recordings) {
   Json out = Json::array();
   for (const RecordedColumn& c : recordings.columns) {
@@ -75,6 +101,19 @@ Json files(const PageContent& content) {
   for (const std::string& name : names)
     if (const std::string text = bytes_of(name); !text.empty())
       out.push_back({{"file", name}, {"sha256", sha256(text)}});
+  return out;
+}
+
+Json points(const Curve& curve) {
+  Json out = Json::array();
+  for (const CurvePoint& p : curve.fine)
+    out.push_back({{"x", rounded(p.x, 7)},
+                   {"before", rounded(p.before, 5)},
+                   {"after", rounded(p.after, 5)},
+                   {"fitted", rounded(p.fitted, 5)},
+                   {"std", rounded(p.std, 3)},
+                   {"fitted_std", rounded(p.fitted_std, 3)},
+                   {"count", p.count}});
   return out;
 }
 
@@ -110,8 +149,11 @@ std::string write_page(const PageContent& content) {
             {"files", files(content)}};
   data["report"] = content.report_json.empty() ? Json(nullptr) : Json::parse(content.report_json);
   data["sources"] = content.model ? sources(*content.model) : Json::array();
+  data["changes"] = changes(content);
   std::vector<const Program*> programs;
   std::string scripts;
+  data["use"] = std::string(content.use.begin(), content.use.end());
+  data["columns"] = content.recordings ? columns(*content.recordings) : Json::array();
   data["linkages"] = Json::array();
   data["states"] = Json::array();
   for (const PageState& state : content.states) {
@@ -125,15 +167,17 @@ std::string write_page(const PageContent& content) {
     }
     Json of = json_of(state);
     of["linkage"] = known - programs.begin();
+    if (state.apart) of["columns"] = columns(*state.recordings);
+    pack(of, data["states"], of.value("columns", data["columns"]));
     data["states"].push_back(std::move(of));
   }
-  data["use"] = std::string(content.use.begin(), content.use.end());
-  data["columns"] = content.recordings ? columns(*content.recordings) : Json::array();
   data["directions"] = Json::array();
   for (const PageDirection& d : content.directions)
     data["directions"].push_back(
         {{"sentence", d.sentence}, {"state", d.state}, {"changes", d.changes}});
   data["next"] = content.next;
+  data["curves"] = Json::array();
+  for (const Curve& c : content.curves) data["curves"].push_back(points(c));
 
   return replaced(page_template, {{"title", xml_escape(content.title)},
                                   {"headline", xml_escape(content.headline)},

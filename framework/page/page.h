@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/diagnosis/curve.h"
 #include "framework/kinematics/program.h"
 #include "framework/model/model.h"
 #include "framework/recordings/recordings.h"
@@ -24,6 +25,7 @@ struct PageState {
   std::vector<std::vector<double>> poses = {};  // [recorded row][coordinate]; may be none
   const Recordings* recordings = nullptr;       // for what was measured
   Eigen::MatrixXd residuals = {};               // recorded rows x residual rows, NaN: not known
+  bool apart = false;  // of a recording of its own, not that of the content
 };
 
 // A direction in the space of parameters that the recordings do not see.
@@ -42,9 +44,11 @@ struct PageContent {
   const Model* model = nullptr;            // its sources are shown
   const Recordings* recordings = nullptr;  // all columns; one row per pose
   std::vector<char> use = {};              // of each row: 'f' fitted, 'c' checked, '-' neither
-  std::vector<std::string> files = {};     // read beside the model: recordings, points
+  std::vector<std::string> sets = {};   // changed in the model, not in its source: joint2.a=300 ?
+  std::vector<std::string> files = {};  // read beside the model: recordings, points
   std::vector<PageDirection> directions = {};
   std::vector<std::vector<double>> next = {};  // poses to record next: coordinates of states[0]
+  std::vector<Curve> curves = {};              // of the report's findings, then of its hints
 };
 
 bool has_page_template();  // built in

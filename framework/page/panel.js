@@ -172,10 +172,11 @@ export function makePanel(element, store) {
     const select = element.querySelector("#state");
     if (select) select.value = store.state;
     hideOwn();
+    slider.max = Math.max(0, store.poseCount() - 1);
     rebuild();
   });
   store.on("pose", () => {
-    const word = { f: "fitted", c: "held out", "-": "left out" }[data.use[store.pose]];
+    const word = { f: "fitted", c: "held out", "-": "left out" }[store.current.columns ? "f" : data.use[store.pose]];
     which.textContent = store.pose < 0 ? "" : `row ${store.pose + 1}${word ? ", " + word : ""}`;
     if (store.pose >= 0) slider.value = store.pose;
   });

@@ -1,10 +1,12 @@
 // The parts of the report, each made from the command's own JSON; what a report has not is left out.
-import { curveChart, residualChart } from "./charts.js";
+import { covariates, curveChart, residualChart } from "./charts.js";
 import { download, h, number, section, signed, spoken, table, unitText, withStd } from "./dom.js";
 import { consecutive, valuesAt } from "./linkage.js";
 
-const T = title => ({ title, text: true }), N = title => ({ title });
+const T = title => ({ title, text: true }), N = title => ({ title }), U = title => ({ title, text: true, short: true });
 const chance = p => p === null || p === undefined ? "–" : p < 0.001 ? "< 0.001" : number(p, 2);
+
+const manyAmounts = 8;  // a curve's heights
 
 export function verdict(data) {
   const header = document.getElementById("verdict"), headline = header.querySelector(".headline");
@@ -13,14 +15,33 @@ export function verdict(data) {
 }
 
 export function residuals(store) {
-  const chart = residualChart(store);
-  if (!chart) return null;
+  const { data } = store, judged = data.states.filter(s => s.rows.some(r => r.residuals?.some(v => v !== null)));
+  if (!judged.length) return null;
+  const chart = residualChart({ onpose: store.setPose, ids: { box: "residuals", measure: "measure", against: "against", what: "what" } });
+  // Before and after: the last two states with residuals. Of `axes` the states are different
+  // recordings, of which the one in the picture is shown.
+  const several = data.command === "axes";
+  const show = () => {
+    const after = several && judged.includes(store.current) ? store.current : judged.at(-1), before = several ? null : judged.at(-2) ?? null;
+    chart.show({ before, after, use: after.columns ? "" : data.use, what: chart.content ? undefined : before && before.label !== "nominal" ? "both" : "after",
+      against: covariates("row", after.columns ?? data.columns, store.sceneOf(after), after.coordinates) });
+    chart.mark(store.pose);
+  };
+  show();
+  if (several) store.on("state", show);
+  store.on("pose", () => chart.mark(store.pose));
+  if (several && judged.length > 1) {
+    const select = h("select", { id: "recording", onchange: () => store.setState(+select.value) },
+      [...judged.slice(-1), ...judged.slice(0, -1)].map(s => h("option", { value: data.states.indexOf(s), selected: s === store.current }, s.label)));
+    store.on("state", () => { select.value = store.state; });
+    chart.element.querySelector(".tools").prepend(h("label", {}, "recording ", select));
+  }
   window.talusCharts = { residuals: chart };
-  const report = store.data.report ?? {};
+  const report = data.report ?? {};
   const list = [];
   const measures = (title, of) => {
     if (!of?.length) return;
-    list.push(table([T("measure"), T("unit"), N("poses"), N("bias"), N("precision"), N("RMSE"), N("range"), N("% of range")],
+    list.push(table([T("measure"), U("unit"), N("poses"), N("bias"), N("precision"), N("RMSE"), N("range"), N("% of range")],
       of.map(m => [m.name, unitText(m.unit), m.count, number(m.bias, 3), number(m.precision, 3), number(m.rmse, 3), number(m.fsr, 4), number(m.percent_fsr, 3)]),
       { caption: title }));
   };
@@ -30,19 +51,21 @@ export function residuals(store) {
     measures(`Rows held out${label ? ", " + label : ""}`, fit.measures);
     measures(`Rows fitted${label ? ", " + label : ""}`, fit.measures_fit);
   }
-  return section("residuals-part", "Residuals", chart.element,
+  return section("residuals-part", "Residuals: measured − modelled", chart.element,
     h("p", { class: "note" }, "Choose a point to see its pose; drag to enlarge, double-click to go back."),
-    list.length ? h("details", {}, h("summary", {}, "Errors of each measure"), list) : null);
+    list.length ? h("details", { class: "paper" }, h("summary", {}, "Errors of each measure"), list) : null);
 }
 
 export function findings(store) {
   const { report } = store.data;
   if (!report?.findings) return null;
-  const card = (f, kind) => {
+  const card = (f, kind, at) => {
     const parts = store.data.sentences.includes(f.statement) ? [] : [h("p", {}, f.statement)];
-    if (f.curve?.points.length) parts.push(curveChart(f.curve));
+    const points = store.data.curves?.[at]?.length ? store.data.curves[at] : f.curve?.points;
+    if (points?.length) parts.push(curveChart(f.curve, points));
     if (f.formula?.statement) parts.push(h("p", {}, f.formula.statement, f.formula.expression ? h("code", {}, " " + f.formula.expression) : null));
-    parts.push(table([T("parameter"), N("value"), N("std"), T("unit")], f.parameters.map(p => [spoken(p.name), withStd(p.value, p.std), number(p.std, 2), unitText(p.unit)])));
+    const values = table([T("parameter"), N("value"), N("std"), U("unit")], f.parameters.map(p => [spoken(p.name), withStd(p.value, p.std), number(p.std, 2), unitText(p.unit)]));
+    parts.push(f.parameters.length > manyAmounts ? h("details", {}, h("summary", {}, `The ${f.parameters.length} parameters of the curve`), values) : values);
     const e = f.evidence;
     parts.push(h("p", { class: "note" }, `Evidence: chi-square ${number(e.delta_chi2, 4)} is lost without it, ${number(e.sigmas_per_pose, 3)} sigmas per pose; `
       + `p ${chance(e.p_value)} of the best of all candidates by chance; held out ${number(e.heldout_rms_before, 3)} → ${number(e.heldout_rms_after, 3)} sigmas.`));
@@ -62,8 +85,8 @@ export function findings(store) {
       { caption: "Rows that took no part in the fit: root mean square in sigmas" }));
   }
   if (!report.findings.length && !report.hints.length && !list.length) return null;
-  return section("findings", "What was found", list, report.findings.map(f => card(f, "")),
-    report.hints.length ? h("h3", {}, "Hints: significant, but too small to be claimed") : null, report.hints.map(f => card(f, " (hint)")));
+  return section("findings", "What was found", list, report.findings.map((f, i) => card(f, "", i)),
+    report.hints.length ? h("h3", {}, "Hints: significant, but too small to be claimed") : null, report.hints.map((f, i) => card(f, " (hint)", report.findings.length + i)));
 }
 
 export function suspects(store) {
@@ -74,10 +97,13 @@ export function suspects(store) {
     || a.smallest_visible / a.typical - b.smallest_visible / b.typical);
   const verdictOf = s => found.has(s.effect + " " + s.location) ? "found" : hinted.has(s.effect + " " + s.location) ? "hint"
     : s.smallest_visible === null ? "cannot be seen" : s.smallest_visible > s.typical ? "not excluded" : "rejected";
+  // On paper: all but the rejected ones, and of these the nearest to not being so.
+  const rejected = rows.filter(s => verdictOf(s) === "rejected"), off = new Set(rejected.slice(0, -10));
   const cells = rows.map(s => [spoken(s.effect), s.location, verdictOf(s), s.smallest_visible === null ? "–" : number(s.smallest_visible, 3), number(s.typical, 3),
     unitText(s.unit), s.visible_share === null ? "–" : number(100 * s.visible_share, 3), s.nearest_rival ? spoken(s.nearest_rival) : "–", s.nearest_rival ? number(100 * s.imitated, 3) : "–"]);
-  const body = h("div", { class: "tall", tabindex: 0 }, table([T("suspect"), T("place"), T("verdict"), N("smallest seen"), N("usual"), T("unit"), N("% left by geometry"),
-    T("nearest rival"), N("% imitated")], cells));
+  const body = h("div", { class: "tall", tabindex: 0 }, table([T("suspect"), T("place"), T("verdict"), N("smallest seen"), N("usual"), U("unit"), N("% left by geometry"),
+    T("nearest rival"), N("% imitated")], cells, { paper: k => !off.has(rows[k]) }),
+    off.size ? h("p", { class: "note onpaper" }, `On paper the ${off.size} suspects farthest from going unseen are left out, all of them rejected; they are in the file.`) : null);
   const parts = [h("p", { class: "note" }, "Every effect at every place: the smallest magnitude that 80 of 100 such recordings would have shown, what is usual, and what it would be taken for. Rejected: at its usual size it would have been seen, and was not. Not excluded: it would not have been seen."), body];
   if (report.untestable?.length) parts.push(h("details", {}, h("summary", {}, `${report.untestable.length} suspects that these recordings cannot test`),
     table([T("suspect"), T("place"), T("not recorded")], report.untestable.map(u => [spoken(u.effect), u.location, u.lacks]))));
@@ -92,14 +118,19 @@ export function parameters(store) {
   const before = report?.baseline, after = report?.after && report.findings?.length ? report.after : null, fit = after ?? before;
   if (!fit?.parameters?.length) return null;
   const list = [...fit.parameters, ...fit.shared].filter(p => !p.held_out), old = new Map((before?.parameters ?? []).map(p => [p.name, p]));
-  const columns = [T("parameter"), T(""), N("nominal"), ...(after ? [N("before")] : []), N(after ? "after" : "calibrated"), N("difference"), N("std"), N("tolerance"), N("seen")];
+  const columns = [T("parameter"), U(""), N("nominal"), ...(after ? [N("before")] : []), N(after ? "after" : "calibrated"), N("difference"), N("std"), N("tolerance"), N("seen")];
+  const heights = new Map();  // of a curve: many of one element, with names that end in numbers
+  const element = p => /^(.*)\.c\d+$/.exec(p.name)?.[1];
+  for (const p of list) if (element(p)) heights.set(element(p), (heights.get(element(p)) ?? 0) + 1);
+  const off = p => heights.get(element(p)) > manyAmounts;
   const rows = list.map(p => {
     const seen = p.at_bound ? "at its bound" : p.identifiable ? "yes" : "not alone";
     return [p.name, unitText(p.unit), number(p.nominal, 6), ...(after ? [old.has(p.name) ? withStd(old.get(p.name).value, p.std) : "–"] : []), withStd(p.value, p.std),
       signed(p.difference, 3), number(p.std, 2), p.tolerance === null ? "–" : number(p.tolerance, 3),
       seen === "yes" ? seen : h("span", { class: "bad" }, seen)];
   });
-  return section("parameters", "Parameters", h("div", { class: "tall", tabindex: 0 }, table(columns, rows, { onrow: k => store.light(store.keyOf(list[k].name)), keys: list.map(p => p.name) })),
+  return section("parameters", "Parameters", h("div", { class: "tall", tabindex: 0 }, table(columns, rows, { onrow: k => store.light(store.keyOf(list[k].name)), keys: list.map(p => p.name), paper: k => !off(list[k]) }),
+    list.some(off) ? h("p", { class: "note onpaper" }, "On paper the heights of a curve are left out; they are in the file.") : null),
     h("p", { class: "note" }, `Standard uncertainties include the tolerance as prior knowledge. ${fit.directions_seen} of ${fit.directions} directions are seen.`));
 }
 
@@ -118,7 +149,7 @@ export function unseen(store, panel) {
     panel.viewer.visible({ frames: true });
     panel.update();
   }
-  // So far that the point that moves most moves by a twelfth of the linkage, or angles by 20 degrees.
+  // So far that the frame that moves most moves by a twelfth of the linkage, or turns by 20 degrees.
   function scaleOf(d) {
     const state = data.states[d.state], scene = store.sceneOf(state), base = valuesAt(scene, store.coordinates(state, store.pose), state.base);
     const moved = Float64Array.from(state.base);
@@ -127,12 +158,13 @@ export function unseen(store, panel) {
     const small = 1e-4 / largest;
     for (const [slot, v] of d.changes) moved[slot] += small * v;
     const out = valuesAt(scene, store.coordinates(state, store.pose), moved);
-    let most = 0, size = 1;
+    let most = 0, size = 1, turns = 0;
     for (const f of scene.frames) {
       most = Math.max(most, Math.hypot(...[3, 7, 11].map(i => out[f.at + i] - base[f.at + i])) || 0);
+      turns = Math.max(turns, Math.hypot(...[0, 1, 2, 4, 5, 6, 8, 9, 10].map(i => out[f.at + i] - base[f.at + i])) / Math.SQRT2 || 0);
       size = Math.max(size, Math.hypot(...[3, 7, 11].map(i => base[f.at + i] - base[scene.frames[1]?.at + i || 0])) || 0);
     }
-    return Math.min(most > 0 ? small * 0.085 * size / most : Infinity, 60 / largest);
+    return Math.min(most > 1e-9 ? small * 0.085 * size / most : Infinity, turns > 1e-9 ? small * 0.35 / turns : Infinity, 60 / largest);
   }
   function start(i) {
     if (at >= 0) { const same = at === i; stop(); if (same) return; }
@@ -184,12 +216,12 @@ export function axes(store) {
   let written = "";
   const write = () => {
     const scene = store.scene, pairs = consecutive(scene, store.outputs(store.current));
-    const rows = pairs.map(p => [`${names(p.first)} – ${names(p.second)}`, number(p.angle / scene.angle.factor, 5), scene.angle.unit,
+    const rows = pairs.map(p => [`${names(p.first)} – ${names(p.second)}`, number(p.angle < 1e-9 ? 0 : p.angle / scene.angle.factor, 5), scene.angle.unit,
       number(p.distance < 1e-9 ? 0 : p.distance / scene.length.factor, 5), scene.length.unit]);
     const text = JSON.stringify(rows);
     if (text === written) return;
     written = text;
-    holder.replaceChildren(rows.length ? table([T("axes"), N("angle"), T(""), N("shortest distance"), T("")], rows,
+    holder.replaceChildren(rows.length ? table([T("axes"), N("angle"), U(""), N("shortest distance"), U("")], rows,
       { onrow: k => store.light("joint:" + names(pairs[k].second)) }) : h("p", {}, "There are no two axes that follow each other."));
   };
   write();
@@ -202,12 +234,12 @@ export function located(store) {
   const { report } = store.data, whole = report?.whole;
   if (!whole) return null;
   const parts = whole.by_recording.map(r => [h("h3", {}, r.recordings),
-    table([T("axis"), T("variable"), N("value"), N("std"), T("unit")], r.axes.flatMap(a => a.determined
+    table([T("axis"), T("variable"), N("value"), N("std"), U("unit")], r.axes.flatMap(a => a.determined
       ? a.variables.map((v, i) => [i ? "" : a.name, v.name, withStd(v.value, v.std), number(v.std, 2), v.unit]) : [[a.name, a.why, "–", "–", ""]])),
     r.apart.length ? table([T("axes"), N("angle"), N("std"), N("distance"), N("std")], r.apart.map(p => [p.axes.join(" – "), withStd(p.angle, p.angle_std), number(p.angle_std, 2),
       withStd(p.distance, p.distance_std), number(p.distance_std, 2)])) : null]);
   const changes = whole.changes.map(c => [h("h3", {}, `Change from ${whole.by_recording[0].recordings} to ${c.recordings}`),
-    table([T("axis"), T("variable"), N("change"), N("std"), T("unit")], c.axes.filter(a => a.determined).flatMap(a => a.variables.map((v, i) => [i ? "" : a.name, v.name, withStd(v.value, v.std), number(v.std, 2), v.unit])))]);
+    table([T("axis"), T("variable"), N("change"), N("std"), U("unit")], c.axes.filter(a => a.determined).flatMap(a => a.variables.map((v, i) => [i ? "" : a.name, v.name, withStd(v.value, v.std), number(v.std, 2), v.unit])))]);
   return section("located", "Axes located", parts, changes);
 }
 
@@ -221,12 +253,14 @@ export function equations(store) {
     return h("p", { class: "equation" }, h("i", {}, "T"), h("sub", {}, `${name(e.parent)}→${name(e.frame)}`), " =", motions.length ? motions : " I", " ",
       key ? h("button", { type: "button", class: "noprint", onclick: () => store.light(key) }, "show") : null);
   });
-  return h("details", { id: "equations" }, h("summary", {}, "Equations of the chain"), h("p", { class: "note" }, "Each joint as the product of its elementary motions, with the effects of the model; angles in rad and lengths in mm where a formula holds plain numbers."), lines);
+  return h("details", { id: "equations", class: "paper" }, h("summary", {}, "Equations of the chain"), h("p", { class: "note" }, "Each joint as the product of its elementary motions, with the effects of the model; angles in rad and lengths in mm where a formula holds plain numbers."), lines);
 }
 
 export function source(store) {
-  const { sources } = store.data;
+  const { sources, changes = [] } = store.data;
   if (!sources.length) return null;
+  const told = changes.length ? h("p", { id: "changes" }, "With ", changes.flatMap((c, i) => [i ? ", " : "", h("code", {}, `${c.name} = ${c.text}`)]),
+    " by --set: the text below is that of the file.") : null;
   const parts = sources.map(s => {
     const box = h("div", { class: "source", tabindex: 0, role: "group", "aria-label": s.file }), lines = s.text.replace(/\n$/, "").split("\n"), of = new Map();
     for (const e of s.elements) {
@@ -234,9 +268,10 @@ export function source(store) {
       if (key && !of.has(e.line)) of.set(e.line, key);
     }
     lines.forEach((text, i) => {
-      const key = of.get(i + 1);
-      box.append(h("div", { tabindex: key ? 0 : null, "data-key": key, onclick: key ? () => store.light(key) : () => {},
-        onkeydown: e => { if (key && e.key === "Enter") store.light(key); } }, h("span", { class: "n" }, String(i + 1)), text));
+      const key = of.get(i + 1), set = changes.filter(c => c.file === s.file && c.line === i + 1);
+      box.append(h("div", { class: set.length ? "set" : null, tabindex: key ? 0 : null, "data-key": key, onclick: key ? () => store.light(key) : () => {},
+        onkeydown: e => { if (key && e.key === "Enter") store.light(key); } }, h("span", { class: "n" }, String(i + 1)), text,
+        set.length ? h("span", { class: "note" }, `   set: ${set.map(c => `${c.name} = ${c.text}`).join(", ")}`) : null));
     });
     store.on("lit", () => {
       let first = true;
@@ -248,11 +283,11 @@ export function source(store) {
     });
     return [h("h3", {}, s.file), box];
   });
-  return section("source", "The model", h("p", { class: "note" }, "Choose a line to see its joint or frame, or a joint in the picture to see its line."), parts, equations(store));
+  return section("source", "The model", h("p", { class: "note" }, "Choose a line to see its joint or frame, or a joint in the picture to see its line."), told, parts, equations(store));
 }
 
-function csv(store) {
-  const { columns, use } = store.data, cell = v => v === null || v === undefined ? "" : String(v);
+function csv(store, columns = store.data.columns, use = store.data.use) {
+  const cell = v => v === null || v === undefined ? "" : String(v);
   const rows = columns[0]?.values.length ?? 0, list = columns.map(c => ({ head: c.name + (unitText(c.unit) ? `[${c.unit}]` : ""), of: k => cell(c.values[k]) }));
   if (use && !columns.some(c => c.name === "use")) list.push({ head: "use", of: k => ({ f: "fit", c: "check" })[use[k]] ?? "" });
   return { recordings: [list.map(c => c.head).join(","), ...Array.from({ length: rows }, (_, k) => list.map(c => c.of(k)).join(","))].join("\n") + "\n",
@@ -270,7 +305,8 @@ export function footer(store) {
   if (data.columns.length) button("Recordings (CSV)", () => download(stem + ".csv", "text/csv", tables.recordings));
   if (data.states.some(s => s.rows.some(r => r.residuals))) button("Residuals (CSV)", () => download(stem + "-residuals.csv", "text/csv", tables.residuals()));
   if (data.report) button("Report (JSON)", () => download(stem + "-report.json", "application/json", JSON.stringify(data.report, null, 1)));
-  button("All of this page's data (JSON)", () => download(stem + "-page.json", "application/json", document.getElementById("data").textContent));
+  for (const s of data.states) if (s.columns) button(`${s.label} (CSV)`, () => download(`${s.label.split("/").at(-1).replace(/\.[^.]*$/, "")}.csv`, "text/csv", csv(store, s.columns, "").recordings));
+  button("All of this page's data (JSON)", () => download(stem + "-page.json", "application/json", JSON.stringify(data)));
   for (const s of data.sources) button(s.file.split("/").at(-1), () => download(s.file.split("/").at(-1), "text/plain", s.text));
   document.getElementById("footer").append(h("p", { class: "noprint" }, "Download: ", buttons.flatMap(b => [b, " "])),
     h("p", {}, `Made by talus ${data.talus}. To make it again: `, h("code", {}, data.command_line)),

@@ -19,10 +19,17 @@ export function extentOf(scene, values) {
       take(placed(values, scene.frames[limb.frame].at, limb.centre.map(
         (c, i) => c + limb.size[i] * ((corner >> i & 1) - 0.5))));
   if (!points.length) points.push([0, 0, 0]);
-  const low = [0, 1, 2].map(i => Math.min(...points.map(p => p[i])));
-  const high = [0, 1, 2].map(i => Math.max(...points.map(p => p[i])));
-  return { points, low, high, size: norm(sub(high, low)) || 100 };
+  const bounds = () => [Math.min, Math.max].map(f => [0, 1, 2].map(i => f(...points.map(p => p[i]))));
+  let [low, high] = bounds(), size = norm(sub(high, low));
+  if (!(size > 1e-9)) {  // all in one point: room for the joints
+    size = 100;
+    for (const s of [-0.07, 0.07]) for (let i = 0; i < 3; ++i) points.push(points[0].map((v, k) => v + (k === i ? s * size : 0)));
+  }
+  for (const f of scene.features) if (f.kind === "direction") take(directionTip(values, f, size));
+  [low, high] = bounds();
+  return { points, low, high, size };
 }
+const directionTip = (values, feature, size) => placed(values, feature.at, [0, 0, 0.13 * size]);
 
 // options: size, colours, show {bodies, joints, frames, apart, features, names}, ghost (a colour:
 // thin lines only), format {length, angle} for numbers in names.
@@ -140,7 +147,7 @@ export function shapesOf(scene, values, options) {
     if (norm(sub(p, held)) > u) line(held, p, colours.stem, 1.4);
     if (f.kind === "scalar") line(from, p, colours.feature, 1, 7 * u);
     if (f.kind === "nothing") line(from, p, colours.feature, 1.2, 4 * u);
-    if (f.kind === "direction") arrow(p, add(p, turned(values, f.at, [0, 0, 130 * u])), colours.feature, 1.6, key);
+    if (f.kind === "direction") arrow(p, directionTip(values, f, size), colours.feature, 1.6, key);
     out.balls.push({ at: p, radius: 7 * u, colour: colours.feature, key });
     if (f.name !== scene.frames[f.frame].label)
       name(f.kind === "scalar" ? times(0.5, add(from, p)) : add(p, [0, 0, 16 * u]), f.name, colours.feature,

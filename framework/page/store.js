@@ -2,6 +2,27 @@
 // changes it calls one of the functions; whoever shows it listens.
 import { valuesAt } from "./linkage.js";
 
+// Lists as pack.h has them, as arrays of numbers and nulls.
+function unpacked(list, of, data) {
+  if (Array.isArray(list)) return list;
+  if ("column" in list) return of[list.column].values;
+  if ("state" in list) return data.states[list.state].coordinates[list.coordinate];
+  const bytes = Uint8Array.from(atob(list.f32), c => c.charCodeAt(0)), view = new DataView(bytes.buffer);
+  return Array.from({ length: bytes.length / 4 }, (_, i) => {
+    const v = view.getFloat32(4 * i, true);
+    return Number.isFinite(v) ? +v.toPrecision(7) : null;
+  });
+}
+export function unpack(data) {
+  for (const state of data.states) {
+    const columns = state.columns ?? data.columns, take = list => unpacked(list, columns, data);
+    state.coordinates = state.coordinates.map(take);
+    for (const row of state.rows) if (row.residuals) row.residuals = take(row.residuals);
+    for (const name in state.offsets) state.offsets[name] = state.offsets[name].map(take);
+  }
+  return data;
+}
+
 const transposed = rows => rows.length ? rows[0].map((_, i) => rows.map(row => row[i])) : [];
 
 export function makeStore(data, functions) {
@@ -52,6 +73,7 @@ export function makeStore(data, functions) {
     setState(i) {
       store.state = i;
       store.changes = null;
+      if (store.pose >= store.poseCount()) { store.pose = store.poseCount() - 1; tell("pose"); }
       if (store.pose >= 0) store.take(store.pose);
       tell("state");
       tell("posture");

@@ -88,7 +88,12 @@ export function createViewer(element, scene, options = {}) {
   function writeNames() {
     const taken = [], list = [], rank = { frame: 0, joint: 1, apart: 2, feature: 3, limb: 4, note: 5, axis: 6 };
     for (const n of [...shapes.names].sort((a, b) => rank[a.kind] - rank[b.kind])) {
-      const [x, y] = camera.project(n.at), w = 4 + n.text.length * (n.kind === "frame" ? 8 : 6.6), h = 15;
+      const w = 4 + n.text.length * (n.kind === "frame" ? 8 : 6.6), h = 15;
+      let [x, y] = camera.project(n.at);
+      if (n.kind === "note") {  // how far away what is not in the picture is
+        x = Math.max(w / 2 + 4, Math.min(camera.width - w / 2 - 4, x));
+        y = Math.max(h, Math.min(camera.height - h, y));
+      }
       for (const [dx, dy] of [[0, 0], [0, -12], [0, 12], [w / 2 + 6, 0], [-w / 2 - 6, 0], [w / 2, -14], [-w / 2, 14]]) {
         const box = [x + dx - w / 2, y + dy - h / 2, x + dx + w / 2, y + dy + h / 2];
         if (taken.some(t => t[0] < box[2] && box[0] < t[2] && t[1] < box[3] && box[1] < t[3])) continue;
@@ -246,6 +251,7 @@ export function createViewer(element, scene, options = {}) {
       const list = [shapesOf(scene, of, { size: 1.3 * extentOf(scene, of).size, colours, show: { names: false } }), ...extra];
       paint(context, small, joined(list), colours);
     },
+    project: point => camera.project(point),  // pixels from the upper left corner, and how near
     paint: paintNow,
     dispose() {
       gone = true;

@@ -33,7 +33,7 @@ export function webglPainter(element) {
     let m = meshes[kind];
     if (!m || m.instanceMatrix.count < count) {
       if (m) { scene.remove(m); m.material.dispose(); m.dispose(); }
-      const faded = kind === "boxes" ? { transparent: true, opacity: 0.75, depthWrite: false } : {};
+      const faded = kind === "boxes" ? { transparent: true, opacity: 0.5, depthWrite: false } : {};
       m = new InstancedMesh(geometries[kind], new MeshLambertMaterial(faded), Math.max(16, 2 * count));
       m.instanceMatrix.setUsage(DynamicDrawUsage);
       m.frustumCulled = false;

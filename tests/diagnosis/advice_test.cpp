@@ -113,6 +113,19 @@ TEST_CASE("the curve of a finding is there before the effect is in the model, an
   }
   CHECK(count == static_cast<int>(d.split.fit.size()));
   CHECK(before > 10 * after);
+  // Narrower bins of the same poses. Two amounts answer to the noise in two directions, less what
+  // the geometry takes up.
+  CHECK(curve.fine.size() >= curve.points.size());
+  int fine = 0;
+  double moved = 0;
+  for (const CurvePoint& p : curve.fine) {
+    fine += p.count, moved += std::pow(p.fitted_std / p.std, 2);
+    CHECK(p.fitted_std < p.std);
+  }
+  CHECK(fine == count);
+  for (const CurvePoint& p : curve.fine) CHECK(p.count >= 7);
+  CHECK(moved > 0.2);
+  CHECK(moved < 2);
   CHECK(after < 3 * static_cast<double>(curve.points.size()));
   CHECK(std::is_sorted(curve.points.begin(), curve.points.end(),
                        [](const CurvePoint& a, const CurvePoint& b) { return a.x < b.x; }));

@@ -1,74 +1,22 @@
 // The page in a browser: it moves the linkage exactly as C++ does, its charts have the right points, it
 // works by keyboard, without WebGL and without a network, and nothing is written to the console.
-import { execFileSync } from "node:child_process";
-import { cpSync, mkdtempSync, readFileSync, readdirSync, existsSync, statSync, writeFileSync } from "node:fs";
-import { dirname, join } from "node:path";
-import { fileURLToPath } from "node:url";
+import { cpSync, readFileSync, readdirSync, statSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { check, close, csv, folder, frames, launch, open, report, root, talus } from "../support/browser.mjs";
 
-const root = join(dirname(fileURLToPath(import.meta.url)), "../.."), folder = process.argv[2];
-const { chromium } = await import(join(root, "framework/page/node_modules/playwright-core/index.mjs"));
-const talus = (...args) => execFileSync(process.env.TALUS, args, { cwd: folder, encoding: "utf8", maxBuffer: 1 << 28, stdio: ["ignore", "pipe", "pipe"] });
-let checks = 0, failures = 0;
-function check(what, is) {
-  ++checks;
-  if (is) return;
-  ++failures;
-  console.log("FAILED:", what);
-}
 const near = (a, b, tolerance) => Math.abs(a - b) <= tolerance * Math.max(1, Math.abs(b));
-
-// Patience: a machine may have other things to do.
-const patience = 180000;
-const launch = (...more) => chromium.launch({ executablePath: process.env.CHROMIUM, timeout: patience,
-  args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage", ...more] });
-async function open(browser, file, hash = "", options = {}) {
-  const context = await browser.newContext({ offline: true, viewport: { width: 1400, height: 950 }, ...options });
-  context.setDefaultTimeout(patience);
-  const page = await context.newPage();
-  page.on("console", m => check(`${file}: console says ${m.text()}`, !["error", "warning"].includes(m.type())));
-  page.on("pageerror", e => check(`${file}: ${e.message}`, false));
-  page.on("request", r => check(`${file} asks for ${r.url().slice(0, 80)}`, /^(file|blob|data):/.test(r.url())));
-  await page.goto("file://" + join(folder, file) + hash, { timeout: patience });
-  await page.locator("#footer p").first().waitFor();
-  return page;
-}
-
-const csv = text => {
-  const [head, ...rows] = text.split("\n").filter(line => line && !line.startsWith("#")).map(line => line.split(","));
-  return { head: head.map(name => name.replace(/\[.*/, "")), rows: rows.map(row => row.map(Number)) };
-};
-const rotation = ([w, x, y, z]) => [[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-  [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)], [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]];
 const dataOf = file => JSON.parse(/<script type="application\/json" id="data">(.*?)<\/script>/s.exec(readFileSync(join(folder, file), "utf8"))[1]);
 
 // Every frame of the model at random poses: C++ against what the page works out.
 async function moves(browser, model, poses = 12) {
   talus("check", model, "--html", "model.html");
-  const data = dataOf("model.html"), scene = data.linkages[0], frames = scene.frames.slice(1).map(f => f.name);
-  const table = csv(talus("motion", model, "--poses", String(poses), "--seed", "7", ...frames.flatMap(name => ["--frame", `${name} in ${scene.frames[0].name}`])));
-  const page = await open(browser, "model.html", "#flat");
-  const asked = table.rows.map(row => scene.coordinates.map(c => {
-    const i = table.head.indexOf(c.column) >= 0 ? table.head.indexOf(c.column) : table.head.indexOf(c.name);
-    return i < 0 ? null : row[i];
-  }));
-  const values = await page.evaluate(asked => asked.map(list => {
+  const page = await open(browser, "model.html", { hash: "#flat" });
+  const worst = await frames(model, dataOf("model.html").linkages[0], poses, asked => page.evaluate(asked => asked.map(list => {
     const { store } = window.talus;
     store.setAll(store.scene, list);
     return [...window.talus.panel.viewer.values];
-  }), asked);
-  let worst = 0;
-  table.rows.forEach((row, k) => frames.forEach((name, f) => {
-    const first = table.head.length - 7 * (frames.length - f), at = scene.frames[f + 1].at;
-    const expected = rotation(row.slice(first + 3, first + 7)), mm = scene.length.factor;
-    for (let i = 0; i < 3; ++i) {
-      const p = row[first + i] * mm;
-      worst = Math.max(worst, Math.abs(values[k][at + 4 * i + 3] - p) / Math.max(1, Math.abs(p)));
-      for (let j = 0; j < 3; ++j) worst = Math.max(worst, Math.abs(values[k][at + 4 * i + j] - expected[i][j]));
-    }
-  }));
-  check(`${model}: frames as C++ has them (off by ${worst})`, worst < 1e-9);
-  check(`${model}: there are frames`, frames.length > 0 && table.rows.length === poses);
-  await page.context().close();
+  }), asked));
+  await close(page);
   return worst;
 }
 
@@ -145,15 +93,36 @@ check("and its readings are on the sliders", near(+await number.nth(2).inputValu
 await page.locator("#parameters tbody tr", { hasText: "joint3.a" }).first().click();
 check("a parameter lights its joint", await page.evaluate(() => window.talus.store.lit) === "joint:joint3");
 check("and its line of the model", /joint3/.test(await page.locator(".source .lit").first().textContent()));
+// The legend has values where there are some: of the pose chosen, none where no pose is.
+const legend = () => page.locator("#residuals .u-legend .u-value").evaluateAll(list => list.filter(e => e.offsetParent).map(e => e.textContent));
+check(`the legend tells the pose chosen (${await legend()})`, near(+(await legend())[0].replace("−", "-"), theta3[row], 1e-3));
+await page.mouse.move(5, 5);
+await page.locator("#reset").click();
+check(`and nothing where none is (${await legend()})`, (await legend()).length === 0);
+check("names of units are not broken", await page.locator("#parameters td.s").evaluateAll(list => list.length > 5 && list.every(e => e.clientHeight < 30)));
+check("labels of the chart's axes fit", await page.evaluate(() => {
+  const { axes, bbox, ctx } = window.talusCharts.residuals.chart;
+  ctx.font = axes[1].labelFont[0];
+  return axes[1].label.length > 3 && ctx.measureText(axes[1].label).width <= bbox.height;
+}));
+// By keyboard: a line of the model, the picture.
+const line = page.locator(".source [data-key='joint:joint4']").first();
+await line.focus();
+await page.keyboard.press("Enter");
+check("Enter on a line lights its joint", await page.evaluate(() => window.talus.store.lit) === "joint:joint4");
+const seenAt = () => page.evaluate(() => window.talus.panel.viewer.project([100, 0, 0])[0]), seen = await seenAt();
+await page.locator(".viewer").focus();
+await page.keyboard.press("ArrowLeft");
+check("arrow keys turn the picture", await seenAt() !== seen);
 check("the size is modest", statSync(join(folder, "fit.html")).size < 1.2e6);
-await page.context().close();
+await close(page);
 
 // Dark, paper; without WebGL.
-const dark = await open(browser, "fit.html", "#flat", { colorScheme: "dark" });
+const dark = await open(browser, "fit.html", { hash: "#flat", colorScheme: "dark" });
 await dark.emulateMedia({ media: "print" });
 check("paper is light", await dark.evaluate(() => getComputedStyle(document.body).backgroundColor) === "rgb(255, 255, 255)");
 check("nothing is wider than the paper", await dark.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
-await dark.context().close();
+await close(dark);
 await browser.close();
 const without = await launch("--disable-3d-apis");
 const plain = await open(without, "fit.html");
@@ -165,23 +134,134 @@ const ink = await plain.evaluate(() => {
   return n / (data.length / 4);
 });
 check(`and the linkage is on it (${ink})`, ink > 0.003);
-await plain.context().close();
+await close(plain);
 
-// Two thousand poses.
-talus("simulate", isl, "--poses", "2000", "--recordings", "many.csv");
-talus("calibrate", isl, "many.csv", "--html", "many.html", "--out", "out", "--quiet", "--restarts", "0");
+// A diagnosis of two thousand poses: small, with the poses and residuals of all its states.
+writeFileSync(join(folder, "models/isl-bonny-2013/one.xml"), readFileSync(isl, "utf8").replace("</talus>", '<encoder_eccentricity at="encoder3" cosine="0.3" sine="0.2"/></talus>'));
+talus("simulate", "models/isl-bonny-2013/one.xml", "--poses", "2000", "--recordings", "many.csv");
+talus("diagnose", isl, "many.csv", "--html", "many.html", "--out", "out", "--quiet");
 const size = statSync(join(folder, "many.html")).size;
-check(`2,000 poses make less than 2 MB (${size})`, size < 2e6);
+check(`a diagnosis of 2,000 poses takes less than 2 MB (${size})`, size < 2e6);
 const many = await open(without, "many.html");
 await many.locator("#pose").focus();
 await many.keyboard.press("End");
 check("and the last is shown", await many.evaluate(() => window.talus.store.pose) === 1999);
+const states = await many.evaluate(() => window.talus.data.states.map(s => ({ label: s.label, poses: s.coordinates.map(list => list.length), offsets: s.offsets.E.length,
+  heldout: s.rows.map(r => Math.sqrt(r.residuals.filter((_, k) => window.talus.data.use[k] === "c").reduce((sum, v, _, { length }) => sum + v * v / length, 0))) })));
+check(`nominal, before and after are in it (${states.map(s => s.label)})`, states.length === 3 && states.every(s => s.poses.length === 6 && s.poses.every(n => n === 2000) && s.offsets === 6));
+const all = dataOf("many.html").report;
+[all.baseline, all.after].forEach((fit, i) => fit.measures.forEach((m, r) =>
+  check(`${states[i + 1].label}: RMSE of ${m.name} is the report's: ${states[i + 1].heldout[r]}, ${m.rmse}`, near(states[i + 1].heldout[r] / m.rmse, 1, 1e-3))));
+check("nominal is worse", states[0].heldout[0] > 3 * states[1].heldout[0]);
+const kept = csv(readFileSync(join(folder, "many.csv"), "utf8"));
+check("the recordings are as they were read", await many.evaluate(([name, values]) => window.talus.data.columns.find(c => c.name === name).values.every((v, k) => v === values[k]),
+  ["theta3", kept.rows.map(row => row[kept.head.indexOf("theta3")])]));
 await without.close();
+
+// What was found: its curve, its parameters; suspects on paper.
+const again = await launch(), found = await open(again, "many.html", { hash: "#flat" });
+const curves = await found.evaluate(() => window.talus.data.curves);
+check(`the curve has narrow bins (${curves[0].length})`, curves[0].length > 12 && curves[0].reduce((n, p) => n + p.count, 0) > 1000);
+check("and a band narrower than a bin's noise, yet a band", curves[0].every(p => p.fitted_std > 0 && p.fitted_std < p.std));
+check("the fitted effect goes through what was asked for", curves[0].filter(p => Math.abs(p.after) < 3 * p.std).length > 0.9 * curves[0].length && curves[0].some(p => Math.abs(p.before) > 20 * p.std));
+const drawn = await found.evaluate(() => {
+  const canvas = document.querySelector(".curve canvas"), { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  let n = 0;
+  for (let i = 0; i < data.length; i += 4) n += data[i] > 200 && data[i + 1] < 120 && data[i + 2] < 60 && data[i + 3] > 200;  // the line's colour
+  return n;
+});
+check(`it is drawn (${drawn})`, drawn > 200);
+check("few parameters stand open", await found.locator("#findings details").count() === 0 && await found.locator("#findings td", { hasText: "amplitude" }).count() > 0);
+const verdicts = media => found.emulateMedia({ media }).then(() => found.locator("#suspects .tall tbody tr").evaluateAll(list => list.filter(e => e.offsetParent).map(e => e.children[2].textContent)));
+const screen = await verdicts("screen"), paper = await verdicts("print"), count = (list, word) => list.filter(w => w === word).length;
+check(`all suspects are on the screen (${screen.length})`, screen.length === all.sensitivity.length && count(screen, "rejected") > 10);
+check(`ten rejected ones on paper (${count(paper, "rejected")})`, count(paper, "rejected") === 10);
+check("and all others", paper.length - 10 === screen.length - count(screen, "rejected") && count(paper, "found") > 0);
+check("paper says so", await found.locator("#suspects .onpaper").isVisible());
+const errors = found.locator("#residuals-part details table").first();
+const becomes = (locator, state) => locator.waitFor({ state, timeout: 20000 }).then(() => true, () => false);
+check("what measures err by is unfolded on paper", await becomes(errors, "visible"));
+await found.emulateMedia({ media: "screen" });
+check("and folded again", await becomes(errors, "hidden") && await found.locator("#suspects .onpaper").isHidden());
+// A pose to record next, a direction that is not seen, the recording as a film.
+const values = () => found.evaluate(() => [...window.talus.panel.viewer.values]);
+const differ = (a, b) => a.some((v, i) => Math.abs(v - b[i]) > 1e-6);
+let was = await values();
+await found.locator("#next .card").nth(1).focus();
+await found.keyboard.press("Enter");
+check("a pose to record next is shown", differ(was, await values()));
+was = await values();
+const play = found.locator("#unseen button").first();
+check("there is something that is not seen", await play.count() === 1);
+await play.click();
+const range = was.map(v => [v, v]);
+for (let i = 0; i < 20; ++i) {  // a swing takes 4.4 seconds
+  (await values()).forEach((v, k) => { range[k] = [Math.min(range[k][0], v), Math.max(range[k][1], v)]; });
+  await found.waitForTimeout(120);
+}
+const turned = await found.evaluate(() => window.talus.store.scene.frames.flatMap(f => [0, 1, 2, 4, 5, 6, 8, 9, 10].map(i => f.at + i)));
+check("it moves", range.some(([low, high]) => high - low > 0.01));
+check("and not out of sight", turned.every(i => range[i][1] - range[i][0] < 0.75));
+await play.click();
+await found.locator(".pose button").click();
+let reached = 0;
+for (let i = 0; i < 100 && !reached; ++i, await found.waitForTimeout(100)) reached = await found.evaluate(() => +document.querySelector("#pose").value);
+check("the recording plays", reached > 0);
+await close(found);
+
+// A curve of many parameters: folded away, and on paper left out.
+const heights = Array.from({ length: 20 }, (_, i) => `unknown_reading_encoder3.c${i + 1}`), told = dataOf("many.html");
+told.report.findings[0].parameters = heights.map(name => ({ name: name.split(".")[1], value: 0.1, unit: "deg", std: 0.01 }));
+told.report.after.parameters.push(...heights.map(name => ({ ...told.report.after.parameters[0], name })));
+writeFileSync(join(folder, "heights.html"), readFileSync(join(folder, "many.html"), "utf8").replace(/(id="data">).*?(<\/script>)/s, (_, a, b) => a + JSON.stringify(told).replaceAll("<", "\\u003c") + b));
+const curved = await open(again, "heights.html", { hash: "#flat" });
+check("many heights are folded away", await curved.locator("#findings details", { hasText: "20 parameters" }).count() === 1 && await curved.locator("#findings td", { hasText: "c20" }).isHidden());
+check("on the screen they are parameters", await curved.locator("#parameters td", { hasText: "encoder3.c20" }).isVisible());
+await curved.emulateMedia({ media: "print" });
+check("on paper they are not", await curved.locator("#parameters td", { hasText: "encoder3.c20" }).isHidden() && await curved.locator("#parameters td", { hasText: "joint3.a" }).first().isVisible());
+await close(curved);
+
+// `axes` of several recordings: each can be chosen, in the chart and in the picture.
+const ankle = (file, grid, deviation) => talus("simulate", "models/ankle-storey-2006/scripted.xml", "--grid", grid, "--recordings", file, "--set", "talocrural.inclination=11",
+  "--set", `talocrural.deviation=${deviation}`, "--set", "subtalar.inclination=48", "--set", "subtalar.deviation=31");
+ankle("intact.csv", "q1=-20:30:5; q2=-15:15:5", 80);
+ankle("changed.csv", "q1=-20:30:5; q2=-15:15:10", 82);
+talus("axes", "models/ankle-storey-2006/model.xml", "intact.csv", "changed.csv", "--html", "axes.html", "--quiet");
+const axes = await open(again, "axes.html", { hash: "#flat" });
+const inChart = () => axes.evaluate(() => window.talusCharts.residuals.data.columns[1].filter(v => v !== null).length);
+const [intact, changed] = ["intact.csv", "changed.csv"].map(name => csv(readFileSync(join(folder, name), "utf8")).rows.length);
+check("the first recording comes first", await inChart() === intact);
+await axes.locator("#recording").selectOption({ label: "changed.csv" });
+check(`the other can be chosen (${await inChart()})`, await inChart() === changed && changed < intact);
+check("and is the one in the picture", await axes.locator("#state").evaluate(e => e.selectedOptions[0].textContent) === "changed.csv" && +await axes.locator("#pose").getAttribute("max") === changed - 1);
+check("its columns are those of its file", await axes.locator("#against option", { hasText: "E.x" }).count() === 1);
+check("each can be had as CSV", await axes.locator("#footer button", { hasText: "changed.csv (CSV)" }).count() === 1);
+await close(axes);
+
+// What --set changes is said beside the source.
+talus("check", isl, "models/isl-bonny-2013/concealed.csv", "--set", "joint2.a=300 ?", "--set", "calibrate.residual=position", "--html", "set.html");
+const set = await open(again, "set.html", { hash: "#flat" });
+check("changes are told", /joint2\.a = 300 \?.*calibrate\.residual = position/s.test(await set.locator("#changes").textContent()));
+check("and their lines marked", (await set.locator(".source .set").allTextContents()).map(text => /joint2.*set: joint2\.a = 300 \?/s.test(text) || /calibrate.*set: calibrate\.residual/s.test(text)).join() === "true,true");
+await close(set);
+check("nothing is marked without", !/class="set"|by --set/.test(await (await open(again, "fit.html", { hash: "#flat" })).locator("#source").innerHTML()));
+
+// A linkage whose axes meet in one point, which measures a direction: its arrow is in the picture.
+talus("check", "models/mount-altaz/model.xml", "--html", "mount.html");
+const mount = await open(again, "mount.html", { hash: "#flat" });
+const tips = await mount.evaluate(() => {
+  const { store, panel: { viewer } } = window.talus, { clientWidth, clientHeight } = document.querySelector(".viewer");
+  return store.scene.features.filter(f => f.kind === "direction").map(f => {
+    const [x, y] = viewer.project([0, 1, 2].map(i => viewer.values[f.at + 4 * i + 3] + 13 * viewer.values[f.at + 4 * i + 2]));
+    return x > 0 && y > 0 && x < clientWidth && y < clientHeight;
+  });
+});
+check("a direction's arrow is in the picture", tips.length > 0 && tips.every(Boolean));
+await again.close();
 
 // What a page is without a browser's scripts, and what must not be in it.
 const html = readFileSync(join(folder, "fit.html"), "utf8");
 check("no address is loaded from", !/(src|href)="https?:/.test(html));
 check("no text is turned into code", !/unsafe-eval/.test(html) && /script-src 'unsafe-inline';/.test(html));
 check("the report is there as text", /<pre>[^<]*Parameters/s.test(html));
-console.log(`${checks - failures} of ${checks} checks passed; 2,000 poses: ${(size / 1e6).toFixed(2)} MB`);
-process.exit(failures ? 1 : 0);
+report(`; a diagnosis of 2,000 poses: ${(size / 1e6).toFixed(2)} MB`);

@@ -7,6 +7,7 @@
 #include "framework/page/contents.h"
 #include "framework/page/javascript.h"
 #include "framework/page/linkage.h"
+#include "framework/page/pack.h"
 #include "framework/page/sha256.h"
 #include "tests/support/models.h"
 
@@ -17,6 +18,35 @@ TEST_CASE("the digest is that of sha256sum") {
   CHECK(sha256("abc") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
   CHECK(sha256(std::string(1000000, 'a')) ==
         "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+}
+
+TEST_CASE("lists of numbers are made small") {
+  auto text = [](std::string s) { return base64({s.begin(), s.end()}); };
+  CHECK(text("") == "");
+  CHECK(text("M") == "TQ==");
+  CHECK(text("Ma") == "TWE=");
+  CHECK(text("Man") == "TWFu");
+  using Json = nlohmann::ordered_json;
+  // 1 and -2 as 32-bit floats, lowest byte first, and a NaN
+  const Json pair = Json::array({1, -2}), other = Json::array({3, 4});
+  CHECK(packed(pair)["f32"] == "AACAPwAAAMA=");
+  CHECK(packed(Json::array({nullptr}))["f32"] == "AADAfw==");
+
+  Json first, columns = Json::array();
+  columns.push_back({{"name", "q"}, {"values", pair}});
+  first["coordinates"] = Json::array({pair, other});
+  first["rows"] = Json::array({Json{{"name", "E.x"}, {"residuals", pair}}, Json{{"name", "E.y"}}});
+  first["offsets"]["E"] = Json::array({other});
+  Json second = first;
+  pack(first, Json::array(), columns);
+  CHECK(first["coordinates"][0] == Json{{"column", 0}});
+  CHECK(first["coordinates"][1] == packed(other));
+  CHECK(first["rows"][0]["residuals"] == packed(pair));
+  CHECK_FALSE(first["rows"][1].contains("residuals"));
+  CHECK(first["offsets"]["E"][0] == packed(other));
+  pack(second, Json::array({first}), Json::array());
+  CHECK(second["coordinates"][0] == packed(pair));
+  CHECK(second["coordinates"][1] == Json{{"state", 0}, {"coordinate", 1}});
 }
 
 TEST_CASE("expressions become JavaScript") {

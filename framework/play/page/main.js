@@ -1,7 +1,7 @@
 // The teaching page: a model's text beside the linkage that it makes; its equations, the residuals
 // of recordings, and the solver, all in the page.
 import { h, number } from "../../page/dom.js";
-import { residualChart } from "./chart.js";
+import { covariates, residualChart } from "../../page/charts.js";
 import { coreOf, startCore } from "./core.js";
 import { createEditor } from "./editor.js";
 import { equationsPanel, parametersTable } from "./equations.js";
@@ -31,9 +31,20 @@ const stage = makeStage($("stage"), {
     stage.highlight(element ? key : null);
     editor.light(element?.line ?? 0, true);
   },
-  onpose: values => equations.update(values),
+  onpose: (values, coordinates) => {
+    equations.update(values);
+    chart.mark(poseAt(coordinates));
+  },
 });
-const chart = residualChart(coordinates => stage.move(coordinates));
+// Residuals of the model as it stands and, where the solver has been asked, with its answer.
+const chart = residualChart({ height: 240, onpose: k => stage.move(posesOf().map(list => list[k])) });
+const posesOf = () => (chart.content?.before ?? chart.content?.after)?.coordinates ?? [];
+const poseAt = coordinates => posesOf()[0]?.findIndex((_, k) => posesOf().every((list, i) => list[k] === null || list[k] === coordinates[i])) ?? -1;
+function judged(...states) {
+  const [first, second = null] = states;
+  chart.show(!first ? null : { before: second && first, after: second ?? first, what: second && "both",
+    against: covariates("pose", [], page.scene, first.coordinates) });
+}
 const parameters = h("div"), verdict = h("div", { class: "verdict", "aria-live": "polite" }), known = h("p", { class: "note" });
 const tool = (text, f, attributes = {}) => h("button", { type: "button", onclick: f, ...attributes }, text);
 const poses = h("input", { type: "number", min: 5, max: 2000, value: 60, "aria-label": "poses to simulate" });
@@ -88,13 +99,13 @@ async function readNow() {
 }
 // The residuals of the model as it stands.
 async function judge() {
-  if (!page.recordings) { chart.show([], page.scene); known.textContent = "There are no recordings yet: simulate some, open a file, or plant a fault below."; return; }
+  if (!page.recordings) { judged(); known.textContent = "There are no recordings yet: simulate some, open a file, or plant a fault below."; return; }
   const mine = version, answer = await ask({ do: "residuals" }, 20);
   if (mine !== version) return;
-  if (answer.error) { chart.show([], page.scene); known.textContent = `Residuals: ${answer.error.text}`; page.state = null; return; }
+  if (answer.error) { judged(); known.textContent = `Residuals: ${answer.error.text}`; page.state = null; return; }
   page.state = answer.state;
   known.textContent = `${page.recordings.what}. ${answer.rms === null ? "" : `As it stands, the model leaves ${number(answer.rms, 3)} stated sigmas (1 is what the instruments explain).`}`;
-  chart.show([{ ...answer.state, label: "model" }], page.scene);
+  judged({ ...answer.state, label: "model" });
 }
 async function remember() {  // to a core that has just been started
   if (page.recordings) await ask({ do: "record", text: page.recordings.text, file: page.recordings.file });
@@ -140,7 +151,7 @@ async function calibrate() {
     h("p", {}, `Fitted rows ${sigmas(fit.fit_rms)}; ${fit.noise_known ? "1 is what the instruments explain." : "the noise is not stated."} ${fit.directions_seen} of ${fit.directions} directions seen; ${fit.iterations} iterations, ${number(fit.seconds, 2)} s.`),
     ...[...fit.warnings, ...fit.unidentifiable].map(w => h("p", { class: "note" }, w)));
   parameters.replaceChildren(parametersTable(page.parameters, fit));
-  chart.show([{ ...page.state, label: "model" }, { ...fit.state, label: "calibrated" }], page.scene);
+  judged({ ...page.state, label: "model" }, { ...fit.state, label: "calibrated" });
   return fit;
 }
 async function diagnose() {
@@ -149,7 +160,7 @@ async function diagnose() {
   verdict.replaceChildren(h("p", { class: "headline" }, found.sentence), ...found.findings.map(f => h("p", {}, f.sentence)),
     ...(found.heldout ? [h("p", {}, found.heldout)] : []), ...found.hints.map(f => h("p", { class: "note" }, "Hint. " + f.sentence)),
     h("p", { class: "note" }, `${number(found.seconds, 2)} s in this page. “Take over the answer” puts the extended model into the editor.`));
-  chart.show([{ ...found.before_state ?? page.state, label: found.before_state ? "calibrated" : "model" }, { ...found.state, label: "with what was found" }], page.scene);
+  judged({ ...found.before_state ?? page.state, label: found.before_state ? "calibrated" : "model" }, { ...found.state, label: "with what was found" });
   return found;
 }
 

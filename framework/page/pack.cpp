@@ -1,0 +1,61 @@
+#include "framework/page/pack.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <limits>
+
+namespace talus {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json coordinate(const Json& values, const Json& earlier, const Json& columns, std::size_t j) {
+  for (std::size_t c = 0; c < columns.size(); ++c)
+    if (columns[c]["values"] == values) return {{"column", c}};
+  Json own = packed(values);
+  for (std::size_t i = 0; i < earlier.size(); ++i)
+    if (const Json& list = earlier[i]["coordinates"]; j < list.size() && list[j] == own)
+      return {{"state", i}, {"coordinate", j}};
+  return own;
+}
+
+}  // namespace
+
+std::string base64(const std::vector<unsigned char>& bytes) {
+  static constexpr char kDigits[] =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t have = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t three = 0;
+    for (std::size_t k = 0; k < 3; ++k) three = three << 8 | (k < have ? bytes[i + k] : 0);
+    for (std::size_t k = 0; k < 4; ++k)
+      out += k <= have ? kDigits[three >> (18 - 6 * k) & 63] : '=';
+  }
+  return out;
+}
+
+Json packed(const Json& values) {
+  std::vector<unsigned char> bytes;
+  for (const Json& v : values) {
+    const auto bits = std::bit_cast<std::uint32_t>(
+        v.is_number() ? v.get<float>() : std::numeric_limits<float>::quiet_NaN());
+    for (int shift = 0; shift < 32; shift += 8)
+      bytes.push_back(static_cast<unsigned char>(bits >> shift & 255));
+  }
+  return {{"f32", base64(bytes)}};
+}
+
+void pack(Json& state, const Json& earlier, const Json& columns) {
+  Json& coordinates = state["coordinates"];
+  for (std::size_t j = 0; j < coordinates.size(); ++j)
+    coordinates[j] = coordinate(coordinates[j], earlier, columns, j);
+  for (Json& row : state["rows"])
+    if (row.contains("residuals")) row["residuals"] = packed(row["residuals"]);
+  if (state.contains("offsets"))
+    for (Json& lists : state["offsets"])
+      for (Json& list : lists) list = packed(list);
+}
+
+}  // namespace talus
