@@ -1,9 +1,12 @@
 #include "framework/page/pack.h"
 
-#include <algorithm>
+#include <openssl/evp.h>
+
 #include <bit>
 #include <cstdint>
 #include <limits>
+#include <string>
+#include <vector>
 
 namespace talus {
 namespace {
@@ -22,20 +25,6 @@ Json coordinate(const Json& values, const Json& earlier, const Json& columns, st
 
 }  // namespace
 
-std::string base64(const std::vector<unsigned char>& bytes) {
-  static constexpr char kDigits[] =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t have = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t three = 0;
-    for (std::size_t k = 0; k < 3; ++k) three = three << 8 | (k < have ? bytes[i + k] : 0);
-    for (std::size_t k = 0; k < 4; ++k)
-      out += k <= have ? kDigits[three >> (18 - 6 * k) & 63] : '=';
-  }
-  return out;
-}
-
 Json packed(const Json& values) {
   std::vector<unsigned char> bytes;
   for (const Json& v : values) {
@@ -44,7 +33,11 @@ Json packed(const Json& values) {
     for (int shift = 0; shift < 32; shift += 8)
       bytes.push_back(static_cast<unsigned char>(bits >> shift & 255));
   }
-  return {{"f32", base64(bytes)}};
+  std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');  // and the zero that ends it
+  EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), bytes.data(),
+                  static_cast<int>(bytes.size()));
+  text.pop_back();
+  return {{"f32", text}};
 }
 
 void pack(Json& state, const Json& earlier, const Json& columns) {

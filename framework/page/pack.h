@@ -5,12 +5,9 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
 
 namespace talus {
 
-std::string base64(const std::vector<unsigned char>& bytes);
 nlohmann::ordered_json packed(const nlohmann::ordered_json& values);  // of an array of numbers
 
 // `state` as json_of makes it; `earlier`: those before it, packed; `columns` of its recordings.
