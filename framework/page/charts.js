@@ -112,7 +112,11 @@ export function residualChart({ onpose, height = 300, ids = {} }) {
       if ([...against.select.options].some(o => o.value === a)) against.select.value = a;
       chart.redraw();
     },
-    mark(k) { marked = k; chart.chart?.mark(); },
+    mark(k) {
+      if (k === marked) return;
+      marked = k;
+      chart.chart?.mark();
+    },
   };
 }
 

@@ -52,7 +52,7 @@ export function residuals(store) {
     measures(`Rows fitted${label ? ", " + label : ""}`, fit.measures_fit);
   }
   return section("residuals-part", "Residuals: measured − modelled", chart.element,
-    h("p", { class: "note" }, "Choose a point to see its pose; drag to enlarge, double-click to go back."),
+    h("p", { class: "note noprint" }, "Choose a point to see its pose; drag to enlarge, double-click to go back."),
     list.length ? h("details", { class: "paper" }, h("summary", {}, "Errors of each measure"), list) : null);
 }
 
@@ -191,7 +191,7 @@ export function unseen(store, panel) {
     return h("p", {}, d.changes.length ? button : null, " ", d.sentence);
   });
   return section("unseen", "What these recordings do not see",
-    h("p", { class: "note" }, "Played: the linkage as it changes along such a direction, exaggerated. If the measured feature moved against what it is measured in, the recordings would see it: what moves, perhaps only a frame, is what they do not tell."), list);
+    h("p", { class: "note noprint" }, "Played: the linkage as it changes along such a direction, exaggerated. If the measured feature moved against what it is measured in, the recordings would see it: what moves, perhaps only a frame, is what they do not tell."), list);
 }
 
 export function nextPoses(store, panel) {
@@ -283,7 +283,7 @@ export function source(store) {
     });
     return [h("h3", {}, s.file), box];
   });
-  return section("source", "The model", h("p", { class: "note" }, "Choose a line to see its joint or frame, or a joint in the picture to see its line."), told, parts, equations(store));
+  return section("source", "The model", h("p", { class: "note noprint" }, "Choose a line to see its joint or frame, or a joint in the picture to see its line."), told, parts, equations(store));
 }
 
 function csv(store, columns = store.data.columns, use = store.data.use) {

@@ -257,6 +257,20 @@ const tips = await mount.evaluate(() => {
   });
 });
 check("a direction's arrow is in the picture", tips.length > 0 && tips.every(Boolean));
+await close(mount);
+
+// How far away a root is that does not fit into the picture can be read from all sides.
+talus("check", "models/arm-6r/model.xml", "--html", "arm.html");
+const arm = await open(again, "arm.html", { hash: "#flat" });
+for (const view of ["front", "side", "top", "oblique"]) {
+  await arm.locator("#panel button", { hasText: view }).click();
+  await arm.waitForTimeout(300);
+  const inside = await arm.evaluate(() => {
+    const stage = document.querySelector(".viewer").getBoundingClientRect();
+    return [...document.querySelectorAll(".names .note:not([hidden])")].map(e => e.getBoundingClientRect()).map(b => b.left >= stage.left && b.right <= stage.right && b.top >= stage.top && b.bottom <= stage.bottom);
+  });
+  check(`${view}: the distance of the root is in the picture`, inside.length === 1 && inside[0]);
+}
 await again.close();
 
 // What a page is without a browser's scripts, and what must not be in it.
