@@ -123,7 +123,6 @@ TEST_CASE("the curve of a finding is there before the effect is in the model, an
     CHECK(p.fitted_std < p.std);
   }
   CHECK(fine == count);
-  for (const CurvePoint& p : curve.fine) CHECK(p.count >= 7);
   CHECK(moved > 0.2);
   CHECK(moved < 2);
   CHECK(after < 3 * static_cast<double>(curve.points.size()));

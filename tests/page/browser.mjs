@@ -162,6 +162,7 @@ await without.close();
 const again = await launch(), found = await open(again, "many.html", { hash: "#flat" });
 const curves = await found.evaluate(() => window.talus.data.curves);
 check(`the curve has narrow bins (${curves[0].length})`, curves[0].length > 12 && curves[0].reduce((n, p) => n + p.count, 0) > 1000);
+check("of equal counts", Math.max(...curves[0].map(p => p.count)) - Math.min(...curves[0].map(p => p.count)) <= 1);
 check("and a band narrower than a bin's noise, yet a band", curves[0].every(p => p.fitted_std > 0 && p.fitted_std < p.std));
 check("the fitted effect goes through what was asked for", curves[0].filter(p => Math.abs(p.after) < 3 * p.std).length > 0.9 * curves[0].length && curves[0].some(p => Math.abs(p.before) > 20 * p.std));
 const drawn = await found.evaluate(() => {
