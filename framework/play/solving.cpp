@@ -13,6 +13,7 @@
 #include "framework/play/session.h"
 #include "framework/report/diagnosis_report.h"
 #include "framework/report/json_parts.h"
+#include "framework/report/verdict.h"
 
 namespace talus {
 namespace {
@@ -100,6 +101,8 @@ Json PlaySession::calibrated(const Json& request) {
     fit = calibrate(program, recordings, split, options);
   }
   Json out = json_of(fit, program.units);
+  const Spoken verdict = verdict_of_fit(program, fit);
+  out["verdict"] = {{"headline", verdict.headline}, {"sentences", verdict.sentences}};
   out["converged"] = fit.converged;
   out["stopped"] = fit.stopped;
   out["warnings"] = fit.warnings;

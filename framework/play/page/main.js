@@ -146,9 +146,8 @@ async function calibrate() {
   const fit = await solve({ do: "calibrate" }, "Calibrating");
   if (!fit) return null;
   page.fit = fit;
-  const sigmas = v => v === null ? "–" : number(v, 3);
-  verdict.replaceChildren(h("p", { class: "headline" }, `Calibrated: residuals of ${sigmas(fit.heldout_rms ?? fit.fit_rms)} stated sigmas on rows held out.`),
-    h("p", {}, `Fitted rows ${sigmas(fit.fit_rms)}; ${fit.noise_known ? "1 is what the instruments explain." : "the noise is not stated."} ${fit.directions_seen} of ${fit.directions} directions seen; ${fit.iterations} iterations, ${number(fit.seconds, 2)} s.`),
+  verdict.replaceChildren(h("p", { class: "headline" }, `${fit.verdict.headline}.`), ...fit.verdict.sentences.map(w => h("p", {}, w)),
+    h("p", { class: "note" }, `${fit.iterations} iterations, ${number(fit.seconds, 2)} s.`),
     ...[...fit.warnings, ...fit.unidentifiable].map(w => h("p", { class: "note" }, w)));
   parameters.replaceChildren(parametersTable(page.parameters, fit));
   judged({ ...page.state, label: "model" }, { ...fit.state, label: "calibrated" });

@@ -6,18 +6,25 @@ import { createViewer } from "../../page/viewer.js";
 // locate(coordinates) -> the list of numbers that the viewer shows, a promise.
 export function makeStage(element, { locate, onpick, onpose }) {
   const view = h("div"), box = h("div", { class: "stage" }, view), sliders = h("div", { class: "sliders" });
-  const check = (label, on, f) => h("label", {}, h("input", { type: "checkbox", checked: on, onchange: e => f(e.target.checked) }), label);
-  const visible = { apart: false };
+  const boxes = {}, visible = { apart: false };
+  const check = (label, part, on, shown = true) => {
+    boxes[part] = h("input", { type: "checkbox", checked: on, onchange: e => visibly({ [part]: e.target.checked ? shown : part === "frames" }) });
+    return h("label", {}, boxes[part], label);
+  };
   const tools = h("div", { class: "tools" },
-    check("all frames", false, on => visibly({ frames: on ? "all" : true })),
-    check("names", true, on => visibly({ names: on })),
-    check("angle and distance of axes", false, on => visibly({ apart: on })),
+    check("all frames", "frames", false, "all"),
+    check("names", "names", true),
+    check("angle and distance of axes", "apart", false),
     h("button", { type: "button", onclick: () => viewer?.fit() }, "Fit"),
     h("button", { type: "button", onclick: () => move(scene.coordinates.map(c => c.rest)) }, "All at rest"));
   element.append(box, tools, sliders);
   let scene = null, viewer = null, at = [], rows = [], swinging = 0, asked = 0, busy = false, again = false;
 
-  function visibly(parts) { Object.assign(visible, parts); viewer?.visible(parts); }
+  function visibly(parts) {
+    Object.assign(visible, parts);
+    if ("apart" in parts) boxes.apart.checked = parts.apart;
+    viewer?.visible(parts);
+  }
   // One question at a time; what has changed meanwhile is asked next.
   async function relocate() {
     if (busy) { again = true; return; }
