@@ -76,8 +76,9 @@ TEST_CASE("--quiet: nothing on standard output, whatever the command; --json - i
     CHECK(run.out.empty());
     CHECK(run.error.empty() == (run.code == 0));  // errors are told nevertheless
   }
-  for (const std::string& arguments : {"calibrate " + arm + " poses.csv --quiet",
-                                       "diagnose " + arm + " poses.csv --next-count 0"}) {
+  for (const std::string& arguments :
+       {"calibrate " + arm + " poses.csv --quiet",
+        "diagnose " + arm + " poses.csv --next-count 0 --only encoder_eccentricity"}) {
     const Run run = command(folder, arguments + " --json -");
     CHECK(run.out.starts_with("{"));
     CHECK(run.out.ends_with("}\n"));
