@@ -79,8 +79,9 @@ void run(const Options& o) {
 }  // namespace
 
 void add_axes(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "axes", "where the hinges of a measured motion lie, and how they changed between recordings");
+  CLI::App* command = add_command(
+      app, "axes",
+      "where the hinges of a measured motion lie, and how they changed between recordings");
   auto o = std::make_shared<Options>();
   command->add_option("model", o->model, "hinges between two bodies, one measured in the other")
       ->required();

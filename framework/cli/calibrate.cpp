@@ -178,8 +178,8 @@ void run(Options& o) {
 }  // namespace
 
 void add_calibrate(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "calibrate", "fit a model's free parameters to recordings; writes the calibrated model");
+  CLI::App* command = add_command(
+      app, "calibrate", "fit a model's free parameters to recordings; writes the calibrated model");
   auto o = std::make_shared<Options>();
   command->add_option("model", o->model, "model file (.xml or .lua)")->required();
   command->add_option("recordings", o->recordings, "recordings (.csv or .trc)")->required();

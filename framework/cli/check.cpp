@@ -163,8 +163,8 @@ void run(const std::string& model_file, const std::string& recordings_file,
 }  // namespace
 
 void add_check(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "check", "parse and check a model, and recordings with it; print the chain");
+  CLI::App* command =
+      add_command(app, "check", "parse and check a model, and recordings with it; print the chain");
   auto common = std::make_shared<Common>();
   auto files = std::make_shared<std::pair<std::string, std::string>>();
   command->add_option("model", files->first, "model file (.xml or .lua)")->required();

@@ -26,6 +26,8 @@ struct Common {
   int thread_count() const;   // as asked, or one per core
 };
 
+// A subcommand. Made here alone: a file that makes one compiles much of CLI11 anew.
+CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description);
 // --plugin, --color; with `model` also --set; with `results` also all that follow, and --out.
 void add_common(CLI::App& command, Common& common, bool model, bool results);
 void add_color(CLI::App& command);

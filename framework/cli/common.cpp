@@ -22,6 +22,10 @@ int Common::thread_count() const {
   return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
+CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description) {
+  return app.add_subcommand(name, description);
+}
+
 void add_color(CLI::App& command) {
   command
       .add_option_function<std::string>(

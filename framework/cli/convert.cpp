@@ -10,7 +10,7 @@ namespace talus {
 
 void add_convert(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("convert", "write a model in the other syntax, or with other joints");
+      add_command(app, "convert", "write a model in the other syntax, or with other joints");
   auto common = std::make_shared<Common>();
   auto files = std::make_shared<std::pair<std::string, std::string>>();
   command->add_option("model", files->first, "model file (.xml or .lua)")->required();

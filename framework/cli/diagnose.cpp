@@ -128,8 +128,8 @@ void run(Options& o) {
 }  // namespace
 
 void add_diagnose(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "diagnose",
+  CLI::App* command = add_command(
+      app, "diagnose",
       "locate what simulation and recordings differ by, name it, model it, prove it on rows held "
       "out; writes the extended model");
   auto o = std::make_shared<Options>();

@@ -270,7 +270,7 @@ void run(Options& o) {
 }  // namespace
 
 void add_draw(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("draw", "a picture or an animation of a linkage");
+  CLI::App* command = add_command(app, "draw", "a picture or an animation of a linkage");
   auto o = std::make_shared<Options>();
   auto option = [&](const char* name, auto& value, const char* type, const char* meaning) {
     return command->add_option(name, value, meaning)->type_name(type);

@@ -61,8 +61,8 @@ void run(const Options& o) {
 }  // namespace
 
 void add_measure(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "measure", "features measured by probed points: fits of the shapes, datums, a table");
+  CLI::App* command = add_command(
+      app, "measure", "features measured by probed points: fits of the shapes, datums, a table");
   auto o = std::make_shared<Options>();
   command->add_option("model", o->model, "model file (.xml or .lua)")->required();
   command->add_option("recordings", o->recordings, "recordings, with a column `pose`")->required();

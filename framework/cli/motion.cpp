@@ -63,8 +63,9 @@ void run(const Options& o) {
 }  // namespace
 
 void add_motion(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "motion", "a table of coordinates and of frames' positions and orientations, pose by pose");
+  CLI::App* command =
+      add_command(app, "motion",
+                  "a table of coordinates and of frames' positions and orientations, pose by pose");
   auto o = std::make_shared<Options>();
   command->add_option("model", o->model, "model file (.xml or .lua)")->required();
   CLI::Option* recordings = command->add_option(

@@ -87,7 +87,7 @@ void run(const Options& o) {
 
 void add_play(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("play", "a page to learn with: edit a model and see what it does");
+      add_command(app, "play", "a page to learn with: edit a model and see what it does");
   auto o = std::make_shared<Options>();
   command->add_option("model", o->model, "model file (.xml or .lua); without it, the lessons");
   command->add_option("recordings", o->recordings, "recordings (.csv or .trc) to begin with");

@@ -106,7 +106,7 @@ void run(const std::string& name, const Common& common) {
 
 void add_plugins(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("plugins", "what is registered, with inputs, units and meaning");
+      add_command(app, "plugins", "what is registered, with inputs, units and meaning");
   auto common = std::make_shared<Common>();
   auto name = std::make_shared<std::string>();
   command->add_option("name", *name, "a tag, to see its inputs");
@@ -117,7 +117,7 @@ void add_plugins(CLI::App& app) {
 
 void add_schema(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("schema", "XML schema of everything registered, for editors and xmllint");
+      add_command(app, "schema", "XML schema of everything registered, for editors and xmllint");
   auto common = std::make_shared<Common>();
   add_common(*command, *common, false, false);
   command->callback([=] { fmt::print("{}", xml_schema(common->registry())); });

@@ -132,7 +132,7 @@ void run(const Options& o) {
 
 void add_simulate(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("simulate", "recordings from a model, with noise from its sigmas");
+      add_command(app, "simulate", "recordings from a model, with noise from its sigmas");
   auto o = std::make_shared<Options>();
   command->add_option("model", o->model, "model file (.xml or .lua)")->required();
   command

@@ -186,8 +186,8 @@ void run(const Options& o) {
 }  // namespace
 
 void add_study(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "study", "how well linkages of several designs would find the axes of a motion");
+  CLI::App* command = add_command(
+      app, "study", "how well linkages of several designs would find the axes of a motion");
   auto o = std::make_shared<Options>();
   command->add_option("linkage", o->linkage, "model of the linkage")->required();
   command->add_option("motion", o->motion, "hinges whose nominal places are the truth")->required();
